@@ -24,14 +24,14 @@ typedef struct {
     progress_t progress;
 } campaign_t;
 
-/// What is said of one seed. It passes through a pipe: no pointers.
+/// Result of one seed. It passes through a pipe, so it holds no pointers.
 typedef struct {
     bool passed;
     bool barred;
     char verdict[64];
     double theta0_deg, load_Nm, Rs_Ohm, Lq_H, J_kgm2;
     double handover_s;                         ///< NaN: never
-    double speed_rpm, error_deg, error_pp_deg; ///< at the end; NaN: not in RUN then
+    double speed_rpm, error_deg, error_pp_deg; ///< at the end; NaN: not in RUN at the end
 } case_t;
 
 typedef char case_fits[sizeof(case_t) <= WORKERS_RESULT_MAX ? 1 : -1];
@@ -77,7 +77,7 @@ static void add_case(cJSON *cases, uint64_t seed, const case_t *one) {
     config_json_number(item, "J_kgm2", one->J_kgm2);
 }
 
-/// Runs one seed; in a process of its own, where there are several.
+/// Runs one seed, in a process of its own if there are several.
 static bool run_case(void *user, uint64_t seed, void *into) {
     campaign_t *self = user;
     runner_result_t result;
@@ -147,7 +147,7 @@ static rig_exit_t finish(const campaign_t *self, FILE *json, cJSON *root) {
     const uint64_t cases = self->options->seed_last - self->options->seed + 1;
     (void)printf(
         "\n%llu of %llu passed%s\n", (unsigned long long)self->passed, (unsigned long long)cases,
-        self->barred ? "" : " (no bars set: in RUN where that was commanded, and without a fault)");
+        self->barred ? "" : " (no bars set: passed means no fault, and in RUN where commanded)");
     if (json != NULL) {
         config_json_number(root, "cases", (double)cases);
         config_json_number(root, "passed", (double)self->passed);
@@ -164,8 +164,8 @@ rig_exit_t campaign(const options_t *options) {
     FILE *json = NULL;
     campaign_t self = {.options = options};
     if (options->csv != NULL || options->plot != NULL || capture_wanted(options)) {
-        rig_error("run --seeds: expected no --csv, --plot, --ring and --scope; they show a single "
-                  "--seed");
+        rig_error("run --seeds: expected no --csv, --plot, --ring or --scope; they are for a run "
+                  "with one --seed");
         return RIG_BAD_INPUT;
     }
     if (!command_load_run(&self.config, options, options->scenario) ||

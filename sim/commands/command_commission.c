@@ -14,7 +14,7 @@
 
 #define MAIN_SCENARIO "main"
 
-/// Not of three phases: what only six have.
+/// False for the quantities that only a six-phase motor has, if it has three.
 static bool has(const commission_run_t *run, int quantity) {
     const bool of_six =
         (quantity >= LODE_COMMISSION_OFFSET_A2 && quantity <= LODE_COMMISSION_OFFSET_C2) ||
@@ -47,34 +47,34 @@ static void print_table(FILE *file, const commission_run_t *run) {
                   (double)own->config.inverter.i_max_A);
 }
 
-/// A start that succeeded leaves the criterion of an attempt before it.
+/// After a start that succeeded, the criterion is that of an earlier attempt.
 static void print_no_start(FILE *file, const lode_commission_t *own) {
     char what[120];
     if (own->wanted_rad_s > 0.0f) {
-        (void)fprintf(file, "it turns with %.4g rad/s, not with %.4g, by %.4g Nm, ",
+        (void)fprintf(file, "the rotor reached %.4g rad/s instead of %.4g with %.4g Nm, ",
                       (double)own->reached_rad_s, (double)own->wanted_rad_s,
                       (double)own->torque_Nm);
     } else if (own->drive->guard.fault.criterion != (uint_least8_t)LODE_CRITERION_NONE) {
         fault_text(&own->drive->guard.fault, what, sizeof what);
-        (void)fprintf(file, "%s, ", what); // of the last attempt of its start
+        (void)fprintf(file, "%s, ", what); // the last attempt of its start
     } else {
         // no attempt has ended
     }
 }
 
-/// The signals were right at rest: of resistance and inductances.
+/// The signals were plausible at rest; resistance and inductances show a wrong gain.
 static void print_gain(FILE *file, const lode_commission_t *own) {
     const lode_commission_value_t *Lq_H = &own->found[LODE_COMMISSION_LQ_H];
     if (own->quantity == LODE_COMMISSION_SIGNALS && Lq_H->confidence > 0.0f) {
         (void)fprintf(file,
-                      ": resistance, Ld and Lq are all far off the data sheet, Lq %.3g times as "
-                      "large: is it the gain of the current sensors?",
+                      ": resistance, Ld and Lq all differ far from the data sheet, Lq by a factor "
+                      "of %.3g; check the gain of the current sensors",
                       (double)(Lq_H->value / own->config.motor.Lq_H));
     }
     (void)fputc('\n', file);
 }
 
-/// Why it did not come to its end.
+/// Why the commissioning did not complete.
 static void print_failure(FILE *file, const commission_run_t *run) {
     const lode_commission_t *own = commission_of(run);
     const char *name = lode_commission_name(own->quantity);
@@ -82,27 +82,27 @@ static void print_failure(FILE *file, const commission_run_t *run) {
     switch (own->result) {
     case LODE_COMMISSION_FAULT:
         fault_text(&own->drive->guard.fault, what, sizeof what);
-        (void)fprintf(file, "%s, while looking for %s\n", what, name);
+        (void)fprintf(file, "%s, while measuring %s\n", what, name);
         break;
     case LODE_COMMISSION_REFUSED:
-        (void)fprintf(file, "the drive refuses what was found at standstill: %s\n",
+        (void)fprintf(file, "the drive refuses the values measured at standstill: %s\n",
                       lode_status_name(own->status));
         break;
     case LODE_COMMISSION_UNSURE:
-        (void)fprintf(file, "%s: confidence %.2f, needed %.2f", name,
+        (void)fprintf(file, "%s: confidence %.2f, at least %.2f needed", name,
                       (double)own->found[own->quantity].confidence, (double)LODE_COMMISSION_SURE);
         print_gain(file, own);
         break;
     case LODE_COMMISSION_NO_START:
         print_no_start(file, own);
-        (void)fprintf(file, "while looking for %s\n", name);
+        (void)fprintf(file, "while measuring %s\n", name);
         break;
     case LODE_COMMISSION_RUNNING:
     case LODE_COMMISSION_DONE:
     case LODE_COMMISSION_NO_CURRENT:
     case LODE_COMMISSION_UNSETTLED:
     default:
-        (void)fprintf(file, "while looking for %s\n", name);
+        (void)fprintf(file, "while measuring %s\n", name);
         break;
     }
 }
@@ -133,7 +133,7 @@ static bool open_files(files_t *self, const options_t *options, const rig_config
            command_source_open(&self->source, options, config);
 }
 
-/// The drive with what was found, into the files; false where that is not whole, after saying why.
+/// Writes the drive with the measured values to the files. False after a message if not everything was measured.
 static bool print_found(const files_t *files, const options_t *options, const char *motor,
                         const commission_run_t *run, const rig_config_t *config) {
     if (commission_of(run)->result != LODE_COMMISSION_DONE) {
@@ -142,17 +142,18 @@ static bool print_found(const files_t *files, const options_t *options, const ch
         return false;
     }
     static rig_config_t found;
-    lode_drive_tuning_t tuning; // of three phases
+    lode_drive_tuning_t tuning; // three phases only
     commission_found(&found, run, config);
     const lode_status_t status =
         run->sets > 1 ? rig_config_judge(&found) : lode_drive_tune(&tuning, &found.drive);
-    if (status != LODE_OK) { // only standstill was tried by the drive itself
-        (void)printf(": the drive refuses what was found: %s\n", lode_status_name(status));
+    if (status != LODE_OK) { // the drive itself has checked only the values measured at standstill
+        (void)printf(": the drive refuses the measured values: %s\n", lode_status_name(status));
         return false;
     }
     (void)putchar('\n');
     if (files->out != NULL) {
-        (void)fputs("; Measured by lodestar commission; the rest as it was given\n", files->out);
+        (void)fputs("; Measured by lodestar commission; all other values are as given\n",
+                    files->out);
         ini_write(files->out, &found);
     }
     rig_config_design(&found);
@@ -188,7 +189,7 @@ rig_exit_t command_commission(const options_t *options) {
     const bool whole =
         print_found(&files, options, scenario != NULL ? scenario : options->motor, &run, &config);
     if (!whole && (files.out != NULL || files.source.file != NULL)) {
-        // nothing is kept of what is not whole
+        // no file is kept if anything is missing
         atomic_file_discard_all();
         return RIG_FAILED;
     }

@@ -20,9 +20,9 @@
 #define ALL_MOTORS "jiang2022,eldeeb2017"
 enum { MOTORS_MAX = 8 };
 
-/// What the campaign adds to the shipped files: a port that stamps, a field that can be weakened, a bridge
-/// whose switches can break, a temperature sensor with a count of noise, as the bus's has, and a guard that
-/// relies on the noise of both.
+/// Settings that the campaign adds to the shipped files: time stamps of the port, field weakening, a switched
+/// inverter, one count of noise on the temperature sensor as on the bus sensor, and the checks of the guard
+/// that rely on the noise of both.
 static const char *const added[] = {
     "references.field_weakening=on",     "guard.stamp_per_period=1000",   "plant.inverter=switched",
     "plant.temperature_noise_degC=0.05", "guard.temperature_still_s=0.5", "guard.bus_still_s=0.1"};
@@ -56,7 +56,7 @@ static bool take_kind(void *user, const char *name) {
         (void)snprintf(known + used, sizeof known - used, "%s%s", k > 0 ? ", " : "",
                        inject_kinds[k].name);
     }
-    rig_error("--kinds %s: expected one of %s, or several with commas in between", name, known);
+    rig_error("--kinds %s: unknown; expected one or more of %s, separated by commas", name, known);
     return false;
 }
 
@@ -70,7 +70,7 @@ static bool take_kinds(faults_t *self) {
     return true;
 }
 
-/// A motor and a drive, and what the campaign adds.
+/// Loads a motor and a drive, and adds the settings of the campaign.
 static bool load(rig_config_t *config, const char *name, const options_t *options) {
     rig_config_init(config);
     bool good = data_files_load_pair(config, name);
@@ -82,7 +82,7 @@ static bool load(rig_config_t *config, const char *name, const options_t *option
     if (!good) {
         return false;
     }
-    if (isnan(config->plant.v_bus_noise_V)) { // a count, as the temperature has
+    if (isnan(config->plant.v_bus_noise_V)) { // one count, as for the temperature
         config->plant.v_bus_noise_V = (double)config->drive.sense.v_bus_gain_V_count;
     }
     rig_config_design(config);
@@ -105,7 +105,7 @@ static bool take_motor(void *user, const char *name) {
     (void)snprintf(self->motor[n], sizeof self->motor[n], "%s", name);
     self->bench[n] = bench;
     if (bench == NULL) {
-        rig_error("faults: expected enough memory");
+        rig_error("faults: out of memory");
         return false;
     }
     rig_config_t config;
@@ -152,7 +152,7 @@ static bool run_all(faults_t *self) {
                                .take = take};
     self->result = calloc(cases_of(self), sizeof *self->result);
     if (self->result == NULL) {
-        rig_error("faults: expected enough memory");
+        rig_error("faults: out of memory");
         return false;
     }
     progress_start(&self->progress);

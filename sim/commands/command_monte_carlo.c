@@ -38,7 +38,7 @@ static bool add_motor(void *user, const char *name) {
 static bool check_seeds(const mc_campaign_t *campaign) {
     const bool good = campaign->seed + (campaign->cases - 1u) <= OPTIONS_SEED_MAX;
     if (!good) {
-        rig_error("--seed %llu, --n %llu: expected a last seed, seed + n - 1, of at most 2^53",
+        rig_error("--seed %llu, --n %llu: expected a last seed (seed + n - 1) of at most 2^53",
                   (unsigned long long)campaign->seed, (unsigned long long)campaign->cases);
     }
     return good;
@@ -85,7 +85,7 @@ static uint64_t case_of(const monte_carlo_t *self, uint64_t piece) {
     return self->first + piece * self->every;
 }
 
-/// In a process of its own, where there are several.
+/// Runs one case, in a process of its own if there are several.
 static bool run_case(void *user, uint64_t piece, void *into) {
     const monte_carlo_t *self = user;
     const mc_campaign_t *campaign = &self->results.campaign;
@@ -136,7 +136,8 @@ static bool run_all(monte_carlo_t *self) {
     self->every = options->shards > 0u ? options->shards : 1u;
     self->first = options->shard > 0u ? options->shard - 1u : 0u;
     if (self->first >= size) {
-        rig_error("--shard: expected at most %llu shards, one case each", (unsigned long long)size);
+        rig_error("--shard: expected at most %llu shards, with one case each",
+                  (unsigned long long)size);
         return false;
     }
     self->last = (size - 1u - self->first) / self->every;

@@ -20,8 +20,8 @@
 
 #define F_PWM_MIN_Hz 1.0e3
 #define F_PWM_MAX_Hz 2.0e5
-// The library scales its bandwidths with the rated speed, which it takes from the bus voltage. A
-// short recording at low speed shows little of that: no less than this is assumed, electrical.
+// The library scales its bandwidths with the rated speed, which it derives from the bus voltage. A short
+// recording at low speed does not show that voltage: this is the lowest rated speed assumed, electrical.
 #define LEAST_RATED_rad_s 400.0
 
 typedef struct {
@@ -73,18 +73,17 @@ static double largest(const recording_t *recording, bool voltage) {
     return most;
 }
 
-/// What a file with only [motor] leaves open comes from the recording.
+/// Values that a file with only [motor] does not give are taken from the recording.
 static bool fill_in(rig_config_t *config, const char *path, const recording_t *recording) {
     lode_inverter_config_t *inverter = &config->drive.inverter;
     const double f_Hz = 1.0 / recording->ts_s;
     if (!(f_Hz >= F_PWM_MIN_Hz && f_Hz <= F_PWM_MAX_Hz)) {
-        rig_error_at(
-            path, 0,
-            "t_s: steps of %.6g s; expected 5 us .. 1 ms, one row per PWM period. Of slower "
-            "rows none can be made: record every period (ring and scope: decimation 1; "
-            "run: scenario.log_s = one period). Of faster ones --resample makes such, "
-            "where the drive gives f_pwm_Hz",
-            recording->ts_s);
+        rig_error_at(path, 0,
+                     "t_s: steps of %.6g s; expected 5 us .. 1 ms, one row per PWM period. Slower "
+                     "rows cannot be resampled: record every period (ring and scope: decimation 1; "
+                     "run: scenario.log_s = one period). Faster rows can be, with --resample and "
+                     "f_pwm_Hz of the drive",
+                     recording->ts_s);
         return false;
     }
     config->drive.f_pwm_Hz = (float)f_Hz;
@@ -116,7 +115,7 @@ static bool prepare(rig_config_t *config, const char *path, const recording_t *r
     }
     assume_rated_speed(config);
     lode_drive_design(&config->drive);
-    lode_motor_t circuit = config->drive.motor; // as lode_drive_tune() makes it
+    lode_motor_t circuit = config->drive.motor; // as in lode_drive_tune()
     circuit.Rs_Ohm += config->drive.inverter.r_on_Ohm;
     const lode_status_t status = lode_estimator_tune(tuning, &config->drive.estimator, &circuit,
                                                      1.0f / config->drive.f_pwm_Hz);

@@ -9,16 +9,16 @@
 #include "support/units.h"
 
 typedef enum {
-    SCALED,     ///< another unit of the same
+    SCALED,     ///< another unit of the same quantity
     LINE_LINE,  ///< measured between two terminals
-    WINDING,    ///< of one winding, connected as `winding` says
+    WINDING,    ///< of one winding, with the connection of `winding`
     KV,         ///< rpm per volt, peak line to line
     VRMS_KRPM,  ///< V RMS line to line at 1000 rpm
     V_HZ,       ///< peak phase voltage per electrical Hz
     KT,         ///< Nm per ampere of the phase current's amplitude
     RPM,        ///< mechanical rpm to electrical rad/s
     RPM_S,      ///< rpm/s to mechanical rad/s^2
-    PER_AMPERE, ///< a gain in A, to one in Nm
+    PER_AMPERE, ///< a gain in A, converted to Nm
 } conversion_t;
 
 typedef struct {
@@ -30,7 +30,7 @@ typedef struct {
 
 #define ROW(key, one, other, conversion, factor) {"motor", #key, {one, other}, conversion, factor},
 
-// In this order: what follows needs pole pairs and flux.
+// The order matters: later rows need pole pairs and flux.
 static const row_t rows[] = {
     DATA_SHEET_KEYS(ROW){"estimator", "speed_max_rpm", {"omega_max_rad_s", NULL}, RPM, 1.0},
     {"start", "handover_rpm", {"omega_handover_rad_s", NULL}, RPM, 1.0},
@@ -44,7 +44,7 @@ static int find(const char *section, const char *key) {
     return rig_schema_find(rig_schema(), section, key);
 }
 
-/// True where a file or the command line has this very key.
+/// True if a file or the command line gives exactly this key.
 static bool is_typed(const rig_config_t *config, int row) {
     const rig_origin_t *origin = &config->origin[row];
     return origin->instead == NULL && (origin->file >= 0 || origin->line == 0);
@@ -65,7 +65,7 @@ static double convert(const rig_config_t *config, const row_t *row, double given
         return (double)lode_psi_from_Vrms_krpm(value, np);
     case V_HZ:
         return (double)lode_psi_from_V_Hz(value);
-    case KT: // of all sets of windings together
+    case KT: // of all winding sets together
         return (double)(lode_psi_from_kt(value, np) / lode_max(motor->sets, 1.0f));
     case RPM:
         return (double)np * rig_rad_s_from_rpm(given);
@@ -83,7 +83,7 @@ static const char *place_of(const rig_config_t *config, const rig_origin_t *orig
     return origin->file >= 0 ? config->file[origin->file] : "--set";
 }
 
-/// Two keys for one quantity: says where both are.
+/// Reports two keys for one quantity, with the places of both.
 static void refuse_both(const rig_config_t *config, const row_t *row, int later, int earlier) {
     const rig_schema_t schema = rig_schema();
     const rig_origin_t *there = &config->origin[earlier];
@@ -93,11 +93,12 @@ static void refuse_both(const rig_config_t *config, const row_t *row, int later,
         (void)snprintf(line, sizeof line, ":%d", there->line);
     }
     rig_error_at(place_of(config, here), here->line,
-                 "[%s] %s: says the same as %s in %s%s; expected one of them", row->section,
-                 schema.row[later].key, schema.row[earlier].key, place_of(config, there), line);
+                 "[%s] %s: sets the same quantity as %s in %s%s; expected one of them",
+                 row->section, schema.row[later].key, schema.row[earlier].key,
+                 place_of(config, there), line);
 }
 
-/// Row of the key that has given this target already, -1: none has.
+/// Row of the key that already gave this target; -1: none.
 static int earlier_key(const rig_config_t *config, const char *section, int target) {
     const rig_origin_t *origin = &config->origin[target];
     if (is_typed(config, target)) {
@@ -106,10 +107,10 @@ static int earlier_key(const rig_config_t *config, const char *section, int targ
     return origin->instead != NULL ? find(section, origin->instead) : -1;
 }
 
-/// What became of a key for one of its targets.
+/// Result of a key for one of its targets.
 typedef enum { GIVEN, OVERRULED, REFUSED } outcome_t;
 
-/// Of two sources the later one counts; within one there must not be two keys.
+/// The later one of two sources counts; one source must not give two keys.
 static outcome_t compare(const rig_config_t *config, const row_t *row, int from, const char *key) {
     const int to = find(row->section, key);
     const int earlier = earlier_key(config, row->section, to);
@@ -134,14 +135,14 @@ static void give(rig_config_t *config, const row_t *row, int from, const char *k
     config->origin[to].instead = row->key;
 }
 
-/// A winding's value says nothing before it is known how the windings are connected.
+/// The value of one winding needs the connection of the windings.
 static bool is_connected(const rig_config_t *config, const row_t *row, int from) {
     if (row->conversion != WINDING || is_typed(config, find("motor", "winding"))) {
         return true;
     }
     const rig_origin_t *origin = &config->origin[from];
     rig_error_at(place_of(config, origin), origin->line,
-                 "[motor] %s: expected winding = star or winding = delta beside it", row->key);
+                 "[motor] %s: expected winding = star or winding = delta as well", row->key);
     return false;
 }
 
@@ -153,7 +154,7 @@ static void forget_earlier_results(rig_config_t *config) {
     }
 }
 
-/// As if nobody had given it.
+/// Resets a key as if it had not been given.
 static void forget(rig_config_t *config, int row) {
     const double unset = RIG_UNSET;
     memcpy((char *)config + rig_schema().row[row].offset, &unset, sizeof unset);

@@ -12,9 +12,10 @@ static const char *const column_names[COLUMNS] = {"i_d", "i_q", "psi_d", "psi_q"
 
 enum { NODES_MOST = PLANT_MAP_MOST * PLANT_MAP_MOST, MAPS_MOST = 8 };
 
-/// Currents closer than this share of the largest are the same node's: rounding of a file.
+/// Currents closer than this share of the largest belong to one node, to allow for rounding in the file.
 static const double same_share = 1e-6;
-/// Flux off the magnet's axis without current, as a share of the largest: more is no map of dq currents.
+/// Largest flux across the magnet's axis without current, as a share of the largest flux; more is not a map of
+/// dq currents.
 static const double off_axis_max = 0.01;
 
 typedef struct {
@@ -26,7 +27,7 @@ typedef struct {
     const char *path;
     sample_t *sample;
     int samples;
-    int place[COLUMNS]; ///< of each quantity in a line
+    int place[COLUMNS]; ///< column of each quantity in a line
     plant_map_t *map;
 } reading_t;
 
@@ -76,7 +77,8 @@ static bool read_sample(const reading_t *self, csv_reader_t *csv, sample_t *samp
         }
     }
     if (found < COLUMNS) {
-        rig_error_at(self->path, (int)csv->line, "%d columns; expected those of the header", place);
+        rig_error_at(self->path, (int)csv->line, "%d columns; expected as many as in the header",
+                     place);
     }
     return found == COLUMNS;
 }
@@ -100,7 +102,7 @@ static int by_size(const void *a, const void *b) {
     return x < y ? -1 : (x > y ? 1 : 0);
 }
 
-/// The different values of a current, rising; their number, 0 after a message.
+/// Collects the different values of a current in rising order; returns their number, 0 after a message.
 static int axis_of(const reading_t *self, int column, double at_A[PLANT_MAP_MOST]) {
     double *all = malloc((size_t)self->samples * sizeof *all);
     int nodes = 0;
@@ -141,7 +143,7 @@ static int nearest(const double *at_A, int nodes, double i_A) {
     return best;
 }
 
-/// Brings the samples in the order of the grid; `line` 0 marks what is missing.
+/// Brings the samples into the order of the grid; `line` 0 marks a missing one.
 static bool place_samples(const reading_t *self, sample_t *grid) {
     const plant_map_t *map = self->map;
     for (int n = 0; n < self->samples; ++n) {
@@ -151,7 +153,7 @@ static bool place_samples(const reading_t *self, sample_t *grid) {
         sample_t *to = &grid[row * map->columns + column];
         if (to->line > 0) {
             rig_error_at(self->path, from->line,
-                         "i_d = %g, i_q = %g stands in line %d too; expected each pair once",
+                         "i_d = %g, i_q = %g is in line %d too; expected each pair once",
                          from->value[ID], from->value[IQ], to->line);
             return false;
         }
@@ -169,7 +171,7 @@ static bool place_samples(const reading_t *self, sample_t *grid) {
     return true;
 }
 
-/// A map of one half plane holds for the other: psi_d is even in i_q, psi_q is odd.
+/// Extends a map of one half plane to the other: psi_d is even in i_q, psi_q is odd.
 static bool mirror(reading_t *self) {
     double largest = 0.0, least = 0.0;
     for (int n = 0; n < self->samples; ++n) {
@@ -187,8 +189,8 @@ static bool mirror(reading_t *self) {
             continue;
         }
         if (self->samples == NODES_MOST) {
-            rig_error_at(self->path, other.line, "expected at most %d nodes with the mirrored ones",
-                         NODES_MOST);
+            rig_error_at(self->path, other.line,
+                         "expected at most %d nodes, mirrored ones included", NODES_MOST);
             return false;
         }
         other.value[IQ] = -other.value[IQ];
@@ -266,7 +268,7 @@ static bool read_map(reading_t *self) {
 }
 
 const plant_map_t *flux_map_find(const char *path) {
-    // Plants are made from one configuration again and again: in campaigns, for trials.
+    // Campaigns and trials make many plants from one configuration.
     static struct {
         char *path;
         plant_map_t *map;

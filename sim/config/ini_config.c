@@ -10,11 +10,11 @@
 #include "support/inputs.h"
 #include "support/units.h"
 
-/// Which keys of a file count.
+/// Which keys of a file are applied.
 typedef enum {
-    PASS_PARTS,   ///< of a scenario: only the names of the files under it
-    PASS_PART,    ///< of such a file: all, but no scenario in it
-    PASS_SCENARIO ///< of a scenario: all
+    PASS_PARTS,   ///< a scenario: only the names of its files
+    PASS_PART,    ///< such a file: all keys, but no scenario
+    PASS_SCENARIO ///< a scenario: all keys
 } pass_t;
 
 typedef struct {
@@ -24,10 +24,11 @@ typedef struct {
     pass_t pass;
     int file;       ///< index into config->file
     int order;      ///< of rig_origin_t
-    int line;       ///< being read
+    int line;       ///< current line
     bool line_done; ///< the last piece read ended its line
-    bool has_key;   ///< in the present section: a line that begins with a blank continues its value
-    bool failed;    ///< a message is out
+    bool
+        has_key; ///< the current section has a key: a line that begins with a blank continues its value
+    bool failed; ///< a message was printed
 } source_t;
 
 static const char *const part_sections[] = {"motor", "drive", "plant"};
@@ -76,7 +77,7 @@ static void unknown_key(source_t *source, rig_schema_t schema, const char *table
     char text[1280];
     const int meant = rig_schema_guess(schema, table, key);
     if (meant >= 0) {
-        (void)snprintf(guess, sizeof guess, "is [%s] %s meant? Otherwise ",
+        (void)snprintf(guess, sizeof guess, "did you mean [%s] %s? Otherwise ",
                        schema.row[meant].section, schema.row[meant].key);
     }
     rig_schema_expected(schema, table, list, sizeof list);
@@ -86,7 +87,7 @@ static void unknown_key(source_t *source, rig_schema_t schema, const char *table
     complain(source, section, key, text);
 }
 
-/// True where the key has had a value from this very place.
+/// True if this same source has already given the key.
 static bool is_duplicate(source_t *source, const char *section, const char *key, int earlier_line) {
     if (source->line == 0 || earlier_line == 0) {
         return false;
@@ -98,7 +99,7 @@ static bool is_duplicate(source_t *source, const char *section, const char *key,
     return true;
 }
 
-/// A phase that cannot be added, or on the command line one that is not there.
+/// Reports a phase that cannot be added, or that does not exist on the command line.
 static void complain_of_phase(source_t *source, const char *section, const char *key) {
     const rig_scenario_t *scenario = &source->config->scenario;
     char text[RIG_PHASES_MAX * (RIG_NAME_LENGTH + 2) + 80];
@@ -191,7 +192,7 @@ static int on_value(void *user, const char *section, const char *key, const char
         return 1;
     }
     if (source->pass == PASS_SCENARIO && is_part_key(section, key)) {
-        return 1; // has had its effect
+        return 1; // already applied
     }
     if (is_phase) {
         take_phase_value(source, section, key, value);
@@ -201,9 +202,9 @@ static int on_value(void *user, const char *section, const char *key, const char
     return 1;
 }
 
-/// inih goes on after a [section without its end, and then tells of the keys in it alone.
+/// inih accepts a [section without its ] and then reports only the keys in it.
 static void check_section(source_t *source, const char *line) {
-    static const char mark[] = "\xEF\xBB\xBF"; // of UTF-8
+    static const char mark[] = "\xEF\xBB\xBF"; // UTF-8
     const size_t marked = source->line == 1 && strncmp(line, mark, strlen(mark)) == 0 ? 3u : 0u;
     const char *start = line + marked + strspn(line + marked, " \t");
     if (start[0] != '[' || (start != line + marked && source->has_key)) {
@@ -214,13 +215,13 @@ static void check_section(source_t *source, const char *line) {
     source->has_key = false;
     if (start[length] != ']' || (comment != NULL && comment < start + length)) {
         rig_error_at(source->path, source->line,
-                     "expected a ] behind the name of the section, not '%.*s'",
+                     "expected a ] after the name of the section, not '%.*s'",
                      (int)(length < 60u ? length : 60u), start);
         source->failed = true;
     }
 }
 
-/// Feeds inih line by line and counts; inih itself does not tell a handler where it is.
+/// Feeds inih line by line and counts the lines, because inih does not give a handler the line number.
 static char *next_line(char *text, int size, void *user) {
     source_t *source = user;
     if (!source->line_done && !source->failed) {

@@ -14,13 +14,13 @@
 /// Keys are written "section.key" and separated by spaces, the likeliest first.
 typedef struct {
     lode_status_t status;
-    const char *keys;     ///< those whose values are compared
-    const char *causes;   ///< what the default of the first of them is computed from; NULL: nothing
-    const char *expected; ///< names keys by their names, the PWM period Ts
+    const char *keys;     ///< keys whose values are compared
+    const char *causes;   ///< keys from which the default of the first one is computed; NULL: none
+    const char *expected; ///< uses the names of keys, and Ts for the PWM period
 } refusal_t;
 
-// Where the rated speed comes from, and so most of what scales with it. It stands last: where it is given,
-// what follows it does not count.
+// Sources of the rated speed, which scales most defaults. It comes last in a list: if the rated speed is given,
+// the keys after it do not count.
 #define VOLTAGE "drive.v_bus_V motor.psi_Wb motor.Lq_H drive.i_max_A"
 #define RATED "motor.speed_rated_rpm " VOLTAGE
 
@@ -53,14 +53,14 @@ static const refusal_t refusals[] = {
     {LODE_ERROR_SENSE_OFFSET, "drive.i_offset_tol_count drive.adc_bits", NULL,
      "within the ADC's range"},
     {LODE_ERROR_SENSE_WINDOW, "current.voltage_use drive.duty_max", NULL,
-     "duty_max 0.5 .. 1, and with two shunts voltage_use at most 2 duty_max - 1, less what the "
-     "dead time takes"},
+     "duty_max 0.5 .. 1, and with two shunts voltage_use at most 2 duty_max - 1 minus the share of "
+     "the dead time"},
     {LODE_ERROR_DOUBLE_UPDATE, "drive.double_update", "drive.duty_max",
      "off, or currents sensed in the phases: duty_max 1"},
     {LODE_ERROR_SENSE_CALIBRATION, "drive.calibrate_s drive.i_noise_count", "drive.f_pwm_Hz",
      "calibrate_s 1 period .. 10 s, at most 65536 periods; i_noise_count 0, or 0.4 .. 64 and at "
      "least 256 periods"},
-    {LODE_ERROR_EMF_KIND, "estimator.emf", NULL, "an observer that is built in"},
+    {LODE_ERROR_EMF_KIND, "estimator.emf", NULL, "an observer of this build"},
     {LODE_ERROR_EMF_W0, "estimator.w0_rad_s", RATED, "1 .. 2/Ts"},
     {LODE_ERROR_EMF_GI, "estimator.gi_kappa estimator.gi_wc_rad_s", NULL,
      "gi_kappa 0 .. 7 and gi_wc_rad_s 0.01 .. 100"},
@@ -75,19 +75,18 @@ static const refusal_t refusals[] = {
      "start.signal_check estimator.active_flux drive.dead_time_correction drive.dead_time_model "
      "speed.every_period start.measure start.pulses",
      NULL,
-     "auto or off, or on where it can be: signal_check with dead_time_s of at most a quarter of "
-     "its "
+     "auto or off, or on if possible: signal_check needs dead_time_s of at most a quarter of its "
      "longest pulse, and a current of at least 64 counts"},
-    {LODE_ERROR_PLL_KIND, "estimator.pll", NULL, "a PLL that is built in"},
+    {LODE_ERROR_PLL_KIND, "estimator.pll", NULL, "a PLL of this build"},
     {LODE_ERROR_PLL_SIGMA, "estimator.sigma_rad_s estimator.sigma_low_rad_s",
      "drive.f_pwm_Hz " RATED, "1 .. 0.3/Ts, and sigma_low_rad_s at most sigma_rad_s"},
     {LODE_ERROR_PLL_OBSERVER, "estimator.sigma_rad_s estimator.w0_rad_s", "drive.f_pwm_Hz " RATED,
-     "sigma_rad_s at most a fifth of w0_rad_s: a PLL clearly slower than the EMF observer (one "
-     "that rotates with the speed: as its theory page says)"},
+     "sigma_rad_s at most a fifth of w0_rad_s: a PLL clearly slower than the EMF observer (for one "
+     "that rotates with the speed: see its theory page)"},
     {LODE_ERROR_PLL_SCHEDULE, "estimator.omega_low_rad_s estimator.omega_high_rad_s", RATED,
      "omega_low_rad_s below omega_high_rad_s"},
     {LODE_ERROR_LAG, "estimator.w0_rad_s estimator.omega_max_rad_s", "drive.f_pwm_Hz " RATED,
-     "an observer whose phase a polynomial holds within 0.01 degree: larger w0_rad_s or smaller "
+     "an observer whose phase a polynomial fits within 0.01 degree: larger w0_rad_s or smaller "
      "omega_max_rad_s"},
     {LODE_ERROR_EMIN, "estimator.emin_V", "motor.psi_Wb " RATED, "1e-4 .. 1e3"},
     {LODE_ERROR_OMEGA_MAX, "estimator.omega_max_rad_s", "drive.f_pwm_Hz " RATED, "1 .. 0.5/Ts"},
@@ -142,7 +141,7 @@ static const refusal_t refusals[] = {
      "ramp_rad_s2 1e-3 .. 1e7; current_rise_s 1 period .. 100 s, lock_s and fade_s 1 period .. 10 "
      "s, align_s and catch_s at most 10 s, timeout_s from lock_s to 1000 s"},
     {LODE_ERROR_START_DAMPING, "start.damping", NULL, "0 .. 2 or none"},
-    {LODE_ERROR_HFI_MODE, "hfi.mode", NULL, "off, on or auto, in a build that has it"},
+    {LODE_ERROR_HFI_MODE, "hfi.mode", NULL, "off, on or auto, in a build with signal injection"},
     {LODE_ERROR_HFI_SALIENCY, "hfi.Lq_i_max_H",
      "motor.Ld_H motor.Lq_H references.Lq_fall drive.i_max_A",
      "a differential Lq at i_max_A of at least 1.15 Ld_H"},
@@ -196,7 +195,7 @@ static const refusal_t *find(lode_status_t status) {
     return NULL;
 }
 
-// ---- Which of the keys is to blame ----------------------------------------------------------------
+// ---- Which of the keys causes the refusal ----------------------------------------------------------------
 
 enum { ROWS_MAX = 16 };
 
@@ -241,7 +240,7 @@ static bool may_be_auto(int row) {
     return kind == RIG_KEY_FLOAT || kind == RIG_KEY_FLOAT_OR_NONE;
 }
 
-/// True where the library would not say this if the key were left to it.
+/// True if the refusal disappears when the library computes the key.
 static bool is_to_blame(const rig_config_t *config, int row, lode_status_t status) {
     rig_config_t trial = *config;
     const float open = 0.0f;
@@ -252,12 +251,12 @@ static bool is_to_blame(const rig_config_t *config, int row, lode_status_t statu
     return refused && rig_config_judge(&trial) != status;
 }
 
-/// The command line has the last word, before it the file that names the others.
+/// The command line overrides the scenario, which overrides the files that it names.
 static int rank(const rig_origin_t *origin) {
     return origin->file < 0 ? 2 : origin->file == 0 ? 1 : 0;
 }
 
-/// The one of them that somebody has given, of several the one with the last word; -1: none.
+/// The row that was given; of several, the one with the highest priority; -1: none.
 static int last_word(const rig_config_t *config, const rows_t *keys, bool with_auto) {
     int found = -1;
     for (int k = 0; k < keys->count; ++k) {
@@ -270,7 +269,7 @@ static int last_word(const rig_config_t *config, const rows_t *keys, bool with_a
     return found;
 }
 
-/// The key that somebody has given and that is to blame; -1: none.
+/// The given key that causes the refusal; -1: none.
 static int find_culprit(const rig_config_t *config, const rows_t *keys, lode_status_t status) {
     for (int k = 0; k < keys->count; ++k) {
         const int row = keys->row[k];
@@ -285,7 +284,7 @@ static int find_culprit(const rig_config_t *config, const rows_t *keys, lode_sta
 
 typedef struct {
     char text[1024];
-    rows_t shown; ///< whose values it has
+    rows_t shown; ///< rows whose values it shows
 } message_t;
 
 static void append(message_t *message, const char *format, ...) RIG_PRINTF(2, 3);
@@ -317,14 +316,14 @@ static void append_value(message_t *message, const rig_config_t *config, int row
     append(message, "[%s] %s = %s", key->section, key->key, value);
 }
 
-/// The key that was written, where another one stands in place of this.
+/// The key that was written, if it replaces this one.
 static int written_row(const rig_config_t *config, int row) {
     const char *instead = config->origin[row].instead;
     return instead == NULL ? row
                            : rig_schema_find(rig_schema(), rig_schema().row[row].section, instead);
 }
 
-/// What else the verdict depends on.
+/// Appends the other values that the refusal depends on.
 static void append_others(message_t *message, const rig_config_t *config, const rows_t *rows) {
     const char *gap = "; with ";
     for (int k = 0; k < rows->count; ++k) {
@@ -340,7 +339,7 @@ static void append_others(message_t *message, const rig_config_t *config, const 
     }
 }
 
-/// Row of a key that `expected` names, of the section before those of others; -1: none, or known already.
+/// Row of a key that `expected` names, first in the same section, then in others; -1: none, or already shown.
 static int named_row(const message_t *message, const char *section, const char *name) {
     const char *const sections[] = {section, "drive", "estimator", "speed", "motor"};
     int row = -1;
@@ -350,7 +349,7 @@ static int named_row(const message_t *message, const char *section, const char *
     return row >= 0 && !is_shown(message, row) ? row : -1;
 }
 
-/// The values of the keys, and of the period, that `expected` names.
+/// Appends the values of the keys and of the period that `expected` names.
 static void append_names(message_t *message, const rig_config_t *config, const refusal_t *refusal,
                          const char *section) {
     const char *gap = "; here ";
@@ -371,10 +370,11 @@ static void append_names(message_t *message, const rig_config_t *config, const r
     }
 }
 
-/// What is compared, and what is blamed for it: the same, or what gave it; nobody's: -1.
+/// The compared key, and the key that causes its value: the same, or the one from which it was computed; -1:
+/// none was given.
 typedef struct {
     int compared, blamed;
-    rows_t rows; ///< with all that the verdict depends on
+    rows_t rows; ///< all keys that the refusal depends on
 } blame_t;
 
 static blame_t find_blame(const rig_config_t *config, const refusal_t *refusal) {
@@ -391,7 +391,7 @@ static blame_t find_blame(const rig_config_t *config, const refusal_t *refusal) 
     return (blame_t){keys.row[0], last_word(config, &keys, true), keys};
 }
 
-/// What may be given besides: a rated speed that was assumed.
+/// Appends assumed values that may be given, as the rated speed.
 static void append_assumed(message_t *message, const rig_config_t *config, const rows_t *rows) {
     for (int k = 0; k < rows->count; ++k) {
         const int row = rows->row[k];

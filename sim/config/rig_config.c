@@ -13,7 +13,7 @@
 #include "support/splitmix.h"
 #include "support/units.h"
 
-// A board as one would build it: head-room over the trip current and over the bus.
+// A typical board: head-room above the trip current and the bus voltage.
 #define RANGE_PER_TRIP 1.3
 #define RANGE_PER_BUS 1.6
 #define TRIP_PER_MAX 1.5
@@ -78,7 +78,7 @@ static void default_to(double *value, double otherwise) {
     *value = isnan(*value) ? otherwise : *value;
 }
 
-/// Gains and offsets of the ADC. Currents come as unsigned counts about the middle.
+/// Gains and offsets of the ADC. Currents are unsigned counts around mid-range.
 static void fit_board(rig_config_t *config) {
     lode_drive_config_t *drive = &config->drive;
     rig_board_t *board = &config->board;
@@ -98,7 +98,7 @@ static void fit_board(rig_config_t *config) {
     drive->sense.temperature_offset_degC = (float)TEMPERATURE_ZERO_degC;
 }
 
-/// The papers' own observers go with their own PLLs: one of them brings the other, where it is open.
+/// The papers' own observers work only with their own PLLs: if one is given, it selects the other one.
 static bool pair_up(rig_config_t *config) {
     bool emf = config->emf >= RIG_EMF_C_EULER;
     bool pll = config->pll >= RIG_PLL_LESO_EULER;
@@ -126,14 +126,14 @@ static void choose_compensation(rig_config_t *config) {
         const rig_compensation_t printed = eq30 ? RIG_COMPENSATION_EQ30 : RIG_COMPENSATION_NONE;
         config->compensation = euler ? printed : RIG_COMPENSATION_EXACT;
     }
-    // Beside the papers' own forms the library's counterpart, which starts the motor, stays exact.
+    // With the papers' own forms, the library's counterpart, which starts the motor, keeps the exact compensation.
     const lode_lag_kind_t kinds[] = {LODE_LAG_EXACT, LODE_LAG_NONE,
                                      euler ? LODE_LAG_EXACT : LODE_LAG_EQ30};
     config->drive.estimator.compensation = kinds[config->compensation - RIG_COMPENSATION_EXACT];
 }
 
-/// What the names of observer and PLL stand for. With the papers' own forms the library's counterpart is
-/// still there, for its gains and for the start.
+/// Sets observer and PLL from their names. With the papers' own forms the library's counterpart is also set up,
+/// for its gains and for the start.
 static bool choose_estimator(rig_config_t *config) {
     static const lode_emf_kind_t counterparts[] = {LODE_EMF_C_LESO, LODE_EMF_GI_LESO,
                                                    LODE_EMF_FA_LESO};
@@ -193,7 +193,7 @@ lode_status_t rig_config_judge(const rig_config_t *config) {
     return lode_drive_tune(&tuning, &config->drive);
 }
 
-/// Six phases need one more figure, and their step is not in parts that another estimate could go between.
+/// Six phases need one more inductance, and their step cannot be split to insert another estimate.
 static bool check_six(const rig_config_t *config) {
     static const char *const motor[] = {"Lxy_H", NULL};
     if (!rig_config_is_six(config)) {
@@ -258,7 +258,7 @@ static double spread(double value, double share, double draw) {
 static void describe_motor(const rig_config_t *config, plant_config_t *plant, uint64_t *state) {
     const rig_plant_t *truth = &config->plant;
     const lode_motor_t *motor = &config->drive.motor;
-    // Every seed draws all of them in this order: each keeps its value whichever are in use.
+    // Every seed draws all values in this order, so that each keeps its value whichever others are in use.
     const double angle = either_way(state);
     const double draw_Rs = either_way(state);
     const double draw_Lq = either_way(state);
@@ -282,7 +282,8 @@ static void describe_motor(const rig_config_t *config, plant_config_t *plant, ui
     plant->i_cross_A = or_else(truth->i_cross_A, 0.0);
     plant->Ldq_H = or_else(truth->Ldq_H, 0.0);
     if (plant->map != NULL) {
-        plant->psi_Wb = fmax(plant->map->psi_Wb, 0.0); // a reluctance machine has rounding
+        plant->psi_Wb =
+            fmax(plant->map->psi_Wb, 0.0); // rounding may make it negative for a reluctance machine
         plant->Ld_H = plant->map->Ld_H;
         plant->Lq_H = plant->map->Lq_H;
     }
@@ -299,9 +300,9 @@ static void describe_motor(const rig_config_t *config, plant_config_t *plant, ui
     plant->omega_m_rad_s = rig_rad_s_from_rpm(or_else(truth->speed0_rpm, 0.0));
 }
 
-/// A fan is known by its torque at a speed, the rated one unless given.
+/// A fan is given by its torque at a speed, by default the rated one.
 static double fan_Nms2(const rig_config_t *config) {
-    if (!(or_else(config->plant.fan_Nm, 0.0) > 0.0)) { // nor need a rated speed be known
+    if (!(or_else(config->plant.fan_Nm, 0.0) > 0.0)) { // then no rated speed is needed
         return 0.0;
     }
     const double np = (double)config->drive.motor.pole_pairs;
@@ -327,7 +328,7 @@ static void describe_load(const rig_config_t *config, plant_config_t *plant) {
     plant->backlash_rad = rig_rad_from_deg(or_else(truth->backlash_deg, 0.0));
 }
 
-/// Its current is to be told.
+/// The current of the supply is to be reported.
 static bool looks_at_supply(const rig_config_t *config) {
     bool looks = !isnan(config->supply.battery_A) || !isnan(config->supply.regen_A);
     for (int k = 0; k < config->scenario.phases; ++k) {
@@ -380,7 +381,7 @@ static void describe_board(const rig_config_t *config, plant_config_t *plant, ui
     }
 }
 
-/// Row of the key that somebody has given: the plant's own, or the one that it goes without; -1: none.
+/// Row of the given key: the plant's own, or the one that it defaults to; -1: none.
 static int given_row(const rig_config_t *config, const char *key) {
     static const char *const sections[] = {"plant", "motor", "drive", "guard"};
     for (size_t k = 0; k < sizeof sections / sizeof sections[0]; ++k) {
@@ -392,7 +393,7 @@ static int given_row(const rig_config_t *config, const char *key) {
     return -1;
 }
 
-/// `why` begins with the plant's own name of the quantity: that of its key, as a rule.
+/// `why` begins with the plant's name of the quantity, which is usually that of its key.
 static void refuse_plant(const rig_config_t *config, const char *why) {
     char name[RIG_NAME_LENGTH];
     (void)snprintf(name, sizeof name, "%.*s", (int)strcspn(why, " ,"), why);
@@ -410,7 +411,7 @@ static void refuse_plant(const rig_config_t *config, const char *why) {
                  value, why);
 }
 
-/// Relative to the file that names it, or to where the tool was started with --set.
+/// Relative to the file that names it or, with --set, to the current folder.
 static bool find_map(const rig_config_t *config, const plant_map_t **map) {
     char path[RIG_PATH_LENGTH];
     *map = NULL;
@@ -430,7 +431,7 @@ static bool find_map(const rig_config_t *config, const plant_map_t **map) {
     return *map != NULL;
 }
 
-/// What a shaft between two masses has is of no use to one that is not there.
+/// Refuses values of a shaft between two masses without the second mass.
 static bool check_masses(const rig_config_t *config) {
     static const char *const shaft[] = {"backlash_deg", "shaft_Nm_rad", "shaft_Nms_rad"};
     enum { SHAFT_KEYS = sizeof shaft / sizeof shaft[0] };
@@ -441,7 +442,7 @@ static bool check_masses(const rig_config_t *config) {
             const rig_origin_t *origin =
                 &config->origin[rig_schema_find(rig_schema(), "plant", shaft[k])];
             rig_error_at(origin->file >= 0 ? config->file[origin->file] : "--set", origin->line,
-                         "[plant] %s = %g: is between two masses; expected load_J_kgm2%s as well",
+                         "[plant] %s = %g: needs a second mass; expected load_J_kgm2%s as well",
                          shaft[k], value[k], isnan(truth->shaft_Nm_rad) ? " and shaft_Nm_rad" : "");
             return false;
         }
@@ -449,15 +450,15 @@ static bool check_masses(const rig_config_t *config) {
     return true;
 }
 
-/// What a load that may drive does not have.
+/// Refuses values that a signed load does not have.
 static bool check_stiction(const rig_config_t *config) {
     const rig_plant_t *truth = &config->plant;
     if (truth->stiction_Nm > 0.0 && truth->load_kind != 0) {
         const rig_origin_t *origin =
             &config->origin[rig_schema_find(rig_schema(), "plant", "stiction_Nm")];
         rig_error_at(origin->file >= 0 ? config->file[origin->file] : "--set", origin->line,
-                     "[plant] stiction_Nm = %g: is that of a passive load; expected load_kind = "
-                     "passive as well",
+                     "[plant] stiction_Nm = %g: applies only to a passive load; expected load_kind "
+                     "= passive as well",
                      truth->stiction_Nm);
         return false;
     }

@@ -44,16 +44,18 @@ void rig_schema_expected(rig_schema_t schema, const char *section, char *text, s
     append(text, size, "phase.NAME");
 }
 
-// Digits that any decimal fraction keeps through a float, and that any double needs.
+// Digits that survive the conversion to a float, and digits that any double needs.
 enum { DIGITS_LEAST = FLT_DIG, DIGITS_MOST = DBL_DIG + 2 };
 
 #define GUESS_LENGTH 64
-#define LIKENESS 0.6 // of two names, 0 .. 1, from which on one may be meant by the other
+#define LIKENESS                                                                                   \
+    0.6 // likeness of two names, 0 .. 1, above which one may be a misspelling of the other
 
-/// Of two names: share of their letters in the longest sequence that both have in the same order.
+/// Likeness of two names: the share of their letters in the longest common subsequence.
 static double likeness(const char *a, const char *b) {
     const size_t m = strlen(a), n = strlen(b);
-    size_t common[GUESS_LENGTH + 1] = {0}; // with the letters of a so far, by those of b
+    size_t common[GUESS_LENGTH + 1] = {
+        0}; // length for the letters of a so far, by the letters of b
     if (m + n == 0 || n > GUESS_LENGTH) {
         return 0.0;
     }
@@ -69,7 +71,7 @@ static double likeness(const char *a, const char *b) {
     return 2.0 * (double)common[n] / (double)(m + n);
 }
 
-/// It is the name without its unit, in letters of either case.
+/// True if it is the name without its unit, in letters of either case.
 static bool lacks_unit(const char *key, const char *name) {
     const size_t length = strlen(key);
     return length > 0 && strncasecmp(key, name, length) == 0 && name[length] == '_';
@@ -105,7 +107,7 @@ static void store(void *object, size_t offset, const void *value, size_t size) {
     memcpy((char *)object + offset, value, size);
 }
 
-/// What a word stands for in this kind of key; false where it is none of its words.
+/// The value of a word for this kind of key; false if the key does not accept the word.
 static bool read_word(rig_key_kind_t kind, const char *value, float *result) {
     if (kind == RIG_KEY_FLOAT_OR_NONE && strcmp(value, "none") == 0) {
         *result = LODE_NONE;
@@ -166,7 +168,7 @@ static int index_of(const char *names, const char *name) {
     return -1;
 }
 
-/// The list for people: commas, and an `or` before the last.
+/// The list for messages: commas, and an `or` before the last name.
 static void list_names(const char *names, char *text, size_t size) {
     text[0] = '\0';
     for (const char *at = names; at != NULL;) {
@@ -174,7 +176,7 @@ static void list_names(const char *names, char *text, size_t size) {
         const size_t used = strlen(text);
         const bool last = at[span] == '\0';
         const char *gap = used == 0 ? "" : (last ? " or " : ", ");
-        if (span > 0) { // else the number has no name
+        if (span > 0) { // otherwise the number has no name
             (void)snprintf(text + used, size - used, "%s%.*s", gap, (int)span, at);
         }
         at = last ? NULL : at + span + 1;
@@ -197,7 +199,7 @@ static bool assign_choice(const rig_key_t *key, void *object, const char *value,
         char later[256];
         list_names(key->later, later, sizeof later);
         (void)snprintf(expected, size, "expected %s (%s: %s)", known,
-                       reserved ? "this one is not built in yet, like all of"
+                       reserved ? "not built in yet, like the others of"
                                 : "reserved, not built in yet",
                        later);
     }
@@ -241,7 +243,7 @@ bool rig_key_number(const rig_key_t *key, const void *object, double *value) {
         float number = 0.0f;
         memcpy(&number, field, sizeof number);
         *value = (double)number;
-        // Other negative numbers are no word: what refuses them shows them as they are.
+        // Other negative numbers are not words: they are shown as numbers when they are refused.
         return !(key->kind == RIG_KEY_FLOAT_OR_NONE && number == LODE_NONE);
     }
     if (key->kind == RIG_KEY_DOUBLE || key->kind == RIG_KEY_DOUBLE_OR) {
@@ -271,7 +273,7 @@ void rig_key_print_exactly(const rig_key_t *key, const void *object, char *text,
     if (!rig_key_number(key, object, &number)) {
         rig_key_print(key, object, text, size);
     } else if (word && number == 0.0) {
-        (void)snprintf(text, size, "auto"); // 0 of FLOAT_OR_NONE would be read as none
+        (void)snprintf(text, size, "auto"); // a 0 of FLOAT_OR_NONE would be read as none
     } else {
         bool same = false;
         for (int digits = DIGITS_LEAST; !same && digits <= DIGITS_MOST; ++digits) {

@@ -7,14 +7,14 @@
 #include "config/speed_limits.h"
 #include "support/units.h"
 
-#define SETTLE_s 1.0   // for the speed to settle behind its ramp, and for the window of the figures
+#define SETTLE_s 1.0   // for the speed to settle after its ramp, and for the evaluation window
 #define BASE_SHARE 0.9 // of the base speed: room for a load step
 #define LOAD_SHARE 0.5 // of the torque at i_max
-// Electrical acceleration over sigma^2 with which a load may set in: some 10 degrees of error.
+// Largest electrical acceleration by a load step, over sigma^2: about 10 degrees of error.
 #define STEP_SHARE 0.5
 #define HANDOVER_FACTOR 2.0 // clear of the hand-over
 #define RAMP_RESERVE 2.0    // a load and the current limit make ramps longer
-#define ROUNDING 1.0e-3     // of a load that is printed
+#define ROUNDING 1.0e-3     // of a printed load
 #define START_SHARE_s 0.5   // of the start's time-out, which allows for three attempts
 
 static void add(rig_config_t *config, const char *name, double duration_s, double speed_rpm,
@@ -26,7 +26,7 @@ static void add(rig_config_t *config, const char *name, double duration_s, doubl
     phase->load_Nm = load_Nm;
 }
 
-/// The largest load that may come at once (K18); NaN of a drive that the library refuses.
+/// The largest load step (K18); NaN for a drive that the library refuses.
 static double step_Nm(const lode_drive_config_t *drive, double omega_rad_s) {
     lode_drive_tuning_t tuning;
     return lode_drive_tune(&tuning, drive) == LODE_OK
@@ -84,13 +84,13 @@ void trial_scenario_print(FILE *file, const rig_config_t *config) {
                   100.0 * load->load_Nm / most_Nm(drive));
     if (share > 1.0 + ROUNDING) {
         (void)fprintf(file,
-                      "; %.3g times the %.3g Nm that may come at once at %.0f rpm (see `design`)\n",
+                      "; %.3g times the largest load step of %.3g Nm at %.0f rpm (see `design`)\n",
                       share, step, load->speed_rpm);
     } else if (share > 1.0 - ROUNDING) {
-        (void)fprintf(file, ": the most that may come at once at %.0f rpm (see `design`)\n",
+        (void)fprintf(file, ": the largest load step at %.0f rpm (see `design`)\n",
                       load->speed_rpm);
     } else {
-        (void)fprintf(file, "; %.3g Nm may come at once at %.0f rpm (see `design`)\n", step,
+        (void)fprintf(file, "; the largest load step is %.3g Nm at %.0f rpm (see `design`)\n", step,
                       load->speed_rpm);
     }
 }

@@ -8,7 +8,7 @@
 #include "lodestar/version.h"
 #include "support/diag.h"
 
-// Keywords of C99, C11 and C23, and what else a program has once.
+// Keywords of C99, C11 and C23, and main.
 static const char *const words[] = {
     "auto",    "break",  "case",          "char",   "const",    "continue",      "default",
     "do",      "double", "else",          "enum",   "extern",   "float",         "for",
@@ -19,7 +19,7 @@ static const char *const words[] = {
     "true",    "typeof", "typeof_unqual", "asm",    "main",
 };
 
-// Functions of <math.h>, which the library's headers include; with f and l behind them too.
+// Functions of <math.h>, which the library's headers include; also with the suffixes f and l.
 static const char *const functions[] = {
     "acos",        "asin",        "atan",
     "atan2",       "cos",         "sin",
@@ -64,7 +64,7 @@ static bool is_of_math(const char *name) {
     return found;
 }
 
-/// A name that C, its library or this one has already.
+/// True for a name that C, its standard library or this library already uses.
 static bool is_taken(const char *name) {
     const size_t length = strlen(name);
     const bool type = length > 2u && strcmp(name + length - 2u, "_t") == 0;
@@ -87,23 +87,23 @@ bool tuning_source_name(char *name, size_t size, const char *path) {
         good = isalnum((unsigned char)first[k]) != 0 || first[k] == '_';
     }
     if (!good) {
-        rig_error("--c %s: expected a file whose name, without its ending, is one in C", path);
+        rig_error("--c %s: expected a file whose name without extension is a C identifier", path);
         return false;
     }
     (void)snprintf(name, size, "%.*s", (int)length, first);
     if (is_taken(name)) {
-        rig_error("--c %s: the constant would be called %s; expected a file whose name, without "
-                  "its ending, is free "
-                  "in C: no keyword, not main, nothing of <math.h> or <stdint.h>, nothing that "
-                  "begins with an "
-                  "underscore, lode_ or LODE_",
-                  path, name);
+        rig_error(
+            "--c %s: the constant would be called %s; expected a file whose name without extension "
+            "is free in C: no keyword, not main, nothing of <math.h> or <stdint.h>, nothing that "
+            "begins with an "
+            "underscore, lode_ or LODE_",
+            path, name);
         return false;
     }
     return true;
 }
 
-// Hexadecimal: every compiler reads the very same float.
+// Hexadecimal: every compiler reads exactly the same float.
 #define PRINT_FLOAT(type, member)                                                                  \
     (void)fprintf(file, "    ." #member " = %af, // %.9g\n", (double)tuning->member,               \
                   (double)tuning->member);
@@ -111,7 +111,7 @@ bool tuning_source_name(char *name, size_t size, const char *path) {
     (void)fprintf(file, "    ." #member " = %luu,\n", (unsigned long)tuning->member);
 #define PRINT_INTEGER(type, member)                                                                \
     (void)fprintf(file, "    ." #member " = %ld,\n", (long)tuning->member);
-// An observer's own numbers, as many as it has: in a firmware with fewer observers there is no room for more.
+// Only as many numbers as the observer has: a firmware with fewer observers has no room for more.
 #define PRINT_OBSERVER(place, member)                                                              \
     if ((place) < numbers_of[tuning->estimator.emf.observer.kind]) {                               \
         PRINT_FLOAT(float, member)                                                                 \
@@ -120,7 +120,7 @@ bool tuning_source_name(char *name, size_t size, const char *path) {
     print_option(file, #member, true);                                                             \
     PRINT_##kind(type, member) print_option(file, #member, false);
 
-// Members that a build without their option does not have.
+// Members that are missing in a build without their option.
 static void print_option(FILE *file, const char *member, bool begins) {
     static const struct {
         const char *members, *option;
@@ -139,7 +139,7 @@ static void print_option(FILE *file, const char *member, bool begins) {
     }
 }
 
-// Where the file is compiled with the options of the library.
+// For a file that is compiled with the options of the library.
 #define UNLESS(feature)                                                                            \
     "#ifdef LODE_WITHOUT_" feature "\n"                                                            \
     "#error \"needs what LODE_WITHOUT_" feature " leaves out\"\n"                                  \
@@ -161,7 +161,7 @@ static void print_guards(FILE *file, const lode_drive_tuning_t *tuning) {
     (void)fprintf(file,
                   "#if LODE_VERSION_MAJOR != %d || LODE_VERSION_MINOR != %d || "
                   "LODE_VERSION_PATCH != %d\n"
-                  "#error \"written for another version of Lodestar: write it anew\"\n"
+                  "#error \"written for another version of Lodestar; write this file again\"\n"
                   "#endif\n",
                   LODE_VERSION_MAJOR, LODE_VERSION_MINOR, LODE_VERSION_PATCH);
     (void)fputs(option_of[tuning->estimator.emf.observer.kind], file);
@@ -197,7 +197,7 @@ void tuning_source_print(FILE *file, const char *name, const lode_drive_tuning_t
     (void)fputs("// Written by ", file);
     for (const char *at = from; *at != '\0'; ++at) {
         (void)fputc((unsigned char)*at < ' ' ? ' ' : *at,
-                    file); // a line break would end the comment
+                    file); // a line break in the text would end the comment
     }
     (void)fprintf(file,
                   ". C, not C++.\n"

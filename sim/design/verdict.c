@@ -7,7 +7,7 @@
 #include "config/load_step.h"
 #include "support/units.h"
 
-#define STEP_SHARE_LEAST 0.35 // drives that are simulated stand 1.3 to 2 times as much: about half
+#define STEP_SHARE_LEAST 0.35 // simulated drives withstand 1.3 to 2 times as much: about half
 #define MARGIN_LEAST_deg 30.0
 
 // ---- Load steps ------------------------------------------------------------------------------------
@@ -52,7 +52,7 @@ static void judge_speeds(verdict_t *verdict, const lode_drive_config_t *drive,
     if (rated > speeds->estimator_rad_s) {
         add_change(verdict, "rated_above_estimator",
                    "rated speed %.0f rpm is above the estimator's limit of %.0f rpm: raise "
-                   "f_pwm_Hz (or omega_max_rad_s where it was given), or lower speed_rated_rpm",
+                   "f_pwm_Hz (or omega_max_rad_s if given), or lower speed_rated_rpm",
                    rpm, rpm_of(drive, speeds->estimator_rad_s));
     }
     if (rated > voltage) {
@@ -78,7 +78,8 @@ static void judge_speeds(verdict_t *verdict, const lode_drive_config_t *drive,
 
 static bool is_short(const verdict_t *verdict, int k) {
     const verdict_step_t *step = &verdict->step[k];
-    const bool below = step->omega_rad_s < verdict->step[VERDICT_LOW].omega_rad_s; // said already
+    const bool below =
+        step->omega_rad_s < verdict->step[VERDICT_LOW].omega_rad_s; // already reported
     return step->share < STEP_SHARE_LEAST && !below;
 }
 
@@ -86,7 +87,7 @@ static bool is_tight(const analyse_loop_t *loop) {
     return !(loop->phase_deg >= MARGIN_LEAST_deg) && !isnan(loop->crossover_rad_s);
 }
 
-/// A load step would have sigma raised, the PLL's margin would have it lowered: w0 serves both.
+/// A larger load step needs a higher sigma, a larger margin of the PLL a lower one: a higher w0 helps both.
 static bool needs_w0(const verdict_t *verdict, int k) {
     return is_short(verdict, k) && !verdict->step[k].by_current && is_tight(&verdict->loop[k].pll);
 }
@@ -94,17 +95,17 @@ static bool needs_w0(const verdict_t *verdict, int k) {
 static void judge_steps(verdict_t *verdict, const lode_drive_config_t *drive) {
     static const char *const keys[VERDICT_SPEEDS] = {"step_at_handover", "step_at_base"};
     static const char *const helps[VERDICT_SPEEDS][2] = {
-        {"raise omega_min_rad_s or omega_handover_rad_s (and commands with them), kp_Nms with "
+        {"raise omega_min_rad_s or omega_handover_rad_s (and the commanded speeds), kp_Nms with "
          "sigma_low_rad_s, or the inertia",
          "raise w0_rad_s first, then kp_Nms with sigma_low_rad_s; or omega_min_rad_s or "
-         "omega_handover_rad_s (and commands with them), or the inertia"},
+         "omega_handover_rad_s (and the commanded speeds), or the inertia"},
         {"raise kp_Nms or gain_rise with sigma_rad_s, or the inertia",
          "raise w0_rad_s first, then kp_Nms or gain_rise with sigma_rad_s; or the inertia"}};
     for (int k = 0; k < VERDICT_SPEEDS; ++k) {
         const verdict_step_t *step = &verdict->step[k];
         if (is_short(verdict, k)) {
             add_change(verdict, keys[k],
-                       "a load step at %.0f rpm may be %.0f %% of rated torque at most: %s",
+                       "the largest load step at %.0f rpm is %.0f %% of rated torque: %s",
                        rpm_of(drive, step->omega_rad_s), 100.0 * step->share,
                        step->by_current ? "raise i_max_A" : helps[k][needs_w0(verdict, k) ? 1 : 0]);
         }
@@ -161,7 +162,7 @@ void verdict_compute(verdict_t *verdict, const lode_drive_config_t *drive,
     judge_margins(verdict);
     if (!lode_start_has_emf(&drive->start, &drive->inverter, &drive->motor)) {
         add_change(verdict, "no_usable_emf",
-                   "no usable EMF (see limits): a motor with less resistance or more flux, a "
+                   "no usable EMF (see limits): use a motor with less resistance or more flux, a "
                    "higher v_bus_V, or an angle sensor");
     }
 }

@@ -15,10 +15,11 @@
 
 enum { CAUSES_MAX = 64 };
 #define SILENT "silent: "
-// Motors for each one that is named by design and not held against the bars.
+// One motor without usable EMF per so many motors is not counted against the bars.
 #define MOTORS_PER_NAMED 12
-#define LISTED_STEPS "load steps left out: unanswered they would halve the speed within 10 ms"
-#define NAMED "  no usable EMF, named by `design`: not held against the bars"
+#define LISTED_STEPS                                                                               \
+    "load steps left out: without a response they would halve the speed within 10 ms"
+#define NAMED "  no usable EMF (see `design`): not counted against the bars"
 #define LISTED_COASTS                                                                              \
     "speeds left out: the EMF is above the bus, and drives a current through the diodes"
 
@@ -37,7 +38,7 @@ const char *mc_errors_name(mc_errors_t errors) {
 bool mc_results_init(mc_results_t *self) {
     self->row = calloc((size_t)mc_results_size(self), sizeof *self->row);
     if (self->row == NULL) {
-        rig_error("monte-carlo: expected fewer cases; not enough memory for %llu",
+        rig_error("monte-carlo: out of memory for %llu cases; expected fewer",
                   (unsigned long long)mc_results_size(self));
     }
     return self->row != NULL;
@@ -73,7 +74,7 @@ static bool is_silent(const mc_row_t *row) {
     return strncmp(row->cause, SILENT, strlen(SILENT)) == 0;
 }
 
-/// A fault in RUN although the angle was of use. In a start there is no angle: that is what `start` judges.
+/// A fault in RUN although the angle was usable. A start has no angle; `start` judges it.
 static bool is_false_trip(const mc_row_t *row) {
     return row->done != 0u && row->passed == 0u && !is_silent(row) && !is_told(row) &&
            (double)row->max_error_deg < MC_ERROR_MAX_deg;
@@ -174,7 +175,7 @@ static bar_t bar_of(mc_errors_t errors) {
     }
 }
 
-/// Of a campaign in which there is nothing to trip for.
+/// Summary of a campaign without any reason to trip.
 static bool print_quiet(FILE *file, const count_t *all) {
     const bool ran = all->periods > 0u;
     const char *missed = all->false_trips > 0u ? "  BAR MISSED: none" : "";
@@ -190,7 +191,7 @@ static int by_size(const void *a, const void *b) {
     return (one > other) - (one < other);
 }
 
-/// Of a campaign in which phases break: how soon what is found was found.
+/// Summary of a campaign in which phases break: the time until a fault was found.
 static void print_found(FILE *file, const mc_results_t *self) {
     float *found_ms = calloc((size_t)mc_results_size(self), sizeof *found_ms);
     size_t found = 0u;
@@ -201,14 +202,14 @@ static void print_found(FILE *file, const mc_results_t *self) {
     }
     if (found > 0u) {
         qsort(found_ms, found, sizeof found_ms[0], by_size);
-        (void)fprintf(file, "found after %.1f ms in the middle case, %.1f ms at most\n",
+        (void)fprintf(file, "found after %.1f ms (median), %.1f ms at most\n",
                       (double)found_ms[found / 2u], (double)found_ms[found - 1u]);
     }
     free(found_ms);
 }
 
-/// How many motors are named by design where that spares them the bars: at most one of twelve, in starts and runs
-/// whose errors are neither doubled nor taken out by commissioning.
+/// Number of motors without usable EMF that are not counted against the bars: at most one of twelve, in the
+/// tests start and run with errors that are neither doubled nor corrected by commissioning.
 static int spared(const mc_campaign_t *campaign) {
     int named = 0;
     if ((campaign->test != MC_START && campaign->test != MC_RUN) ||
@@ -276,7 +277,8 @@ bool mc_results_print(FILE *file, const mc_results_t *self) {
     (void)fprintf(file, "%-20s %9llu %9llu %8.2f %8llu  %.1f%s%s\n", "all",
                   (unsigned long long)all.cases, (unsigned long long)all.passed,
                   100.0 * share_of(&all), (unsigned long long)all.silent, all.max_error_deg,
-                  pooled ? "" : bar.missed, faulted ? "" : "  BAR MISSED: every failure a fault");
+                  pooled ? "" : bar.missed,
+                  faulted ? "" : "  BAR MISSED: not every failure ended in a fault");
     if (campaign->test == MC_OPEN_PHASE) {
         print_found(file, self);
     }
@@ -383,7 +385,7 @@ static const char *text_of(const cJSON *object, const char *name) {
     return text != NULL ? text : "";
 }
 
-/// A whole number up to `most`; -1: it is none.
+/// A whole number up to `most`; -1: not a whole number.
 static int64_t whole_of(const cJSON *object, const char *name, double most) {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
     const bool good = cJSON_IsNumber(item) && item->valuedouble >= 0.0 &&
@@ -441,7 +443,7 @@ static bool read_campaign(mc_campaign_t *campaign, const cJSON *root) {
     return true;
 }
 
-/// -1: no case of this campaign.
+/// -1: not a case of this campaign.
 static int64_t number_of(const mc_campaign_t *campaign, const cJSON *item) {
     const char *motor = text_of(item, "motor");
     const int64_t seed = whole_of(item, "seed", WHOLE_MAX);

@@ -13,7 +13,7 @@ static const char *const kind_texts[] = {"frames of a telemetry ring", "buffer o
 static const char *const state_names[] = {"idle", "armed", "triggered", "done"};
 static const char *const trigger_names[] = {"immediate", "rising", "falling", "fault"};
 
-// Of a named channel that are listed: there are 7 modes, and few checks trip in one record.
+// Values of a named channel that are listed: there are 7 modes, and few checks trip in one record.
 enum { VALUES_MAX = 12 };
 
 static double period_s(const decode_t *decoded) {
@@ -27,7 +27,7 @@ static void channel_stats(const decode_t *decoded, uint32_t channel, rig_stats_t
     }
 }
 
-/// A value as a name where it has one.
+/// A value as a name if it has one.
 static void print_value(FILE *file, uint32_t channel, float value) {
     const char *name = channels_value_name(channel, (double)value);
     if (name != NULL) {
@@ -37,7 +37,7 @@ static void print_value(FILE *file, uint32_t channel, float value) {
     }
 }
 
-/// The values that a channel has, in the order of time, as far as they fit.
+/// The values of a channel in the order of time, as many as fit.
 static int values_of(const decode_t *decoded, uint32_t channel, float list[VALUES_MAX]) {
     int count = 0;
     for (size_t row = 0; row < decoded->rows && count < VALUES_MAX; ++row) {
@@ -67,7 +67,7 @@ static void print_trigger(FILE *file, const decode_t *decoded) {
         (void)fprintf(file, ": event at %.9g s, %zu rows before it\n", decoded->t_s[decoded->event],
                       decoded->event);
     } else {
-        (void)fputs(": it has not come\n", file);
+        (void)fputs(": not yet triggered\n", file);
     }
     (void)fputs(decoded->checked ? "checked: its CRC-32 is right\n"
                                  : "not checked: a dump carries no CRC-32\n",
@@ -116,7 +116,7 @@ static void print_damage(FILE *file, const decode_t *decoded) {
                       decoded->undescribed);
     }
     if (decoded->restarts > 0) {
-        (void)fprintf(file, "the drive was started anew %zu times; t_s begins anew with it\n",
+        (void)fprintf(file, "the drive was restarted %zu times; t_s restarts with it\n",
                       decoded->restarts);
     }
 }
@@ -196,7 +196,7 @@ void report_decode_csv(FILE *file, const decode_t *decoded) {
 
 // ---- JSON ---------------------------------------------------------------------------------------
 
-/// The names that a channel has had, in the order of time; a number where there is none.
+/// The names that a channel has had, in the order of time; a number if a value has no name.
 static void add_names(cJSON *item, const decode_t *decoded, uint32_t channel) {
     cJSON *array = cJSON_AddArrayToObject(item, "values");
     float value[VALUES_MAX];

@@ -60,10 +60,9 @@ static void print_lags(FILE *file, const design_t *design) {
 
 static void print_margins(FILE *file, const design_t *design) {
     (void)fputs(
-        "\nstability of the PLL, alone and with the observer in its loop. That loop closes through "
-        "the\nspeed that tunes the observer; with C-LESO, which needs none, through currents and "
-        "EMF\n"
-        "     rpm    sigma  crossover  margin alone |  margin  gain up  gain down   sigma at\n"
+        "\nstability of the PLL, alone and with the observer in its loop. The PLL's speed tunes "
+        "the\nobserver and so closes a second loop; with C-LESO it closes through currents and "
+        "EMF\n     rpm    sigma  crossover  margin alone |  margin  gain up  gain down   sigma at\n"
         "             rad/s      rad/s       deg el. |     deg       dB         dB   no margin\n",
         file);
     for (int k = 0; k < DESIGN_SPEEDS; ++k) {
@@ -121,25 +120,25 @@ static void print_speeds(FILE *file, const rig_config_t *config, const speed_lim
     char base[96];
     (void)snprintf(rated, sizeof rated, "%s%s", assumed != NULL ? "assumed: " : "",
                    assumed != NULL ? assumed : "as given");
-    (void)snprintf(base, sizeof base, "the voltage is used up by i_max (%g A, %s)",
+    (void)snprintf(base, sizeof base, "i_max uses up the voltage (%g A, %s)",
                    (double)drive->inverter.i_max_A,
                    drive->references.kind == LODE_REFERENCES_MTPA ? "mtpa" : "id* = 0");
     (void)fputs("\nspeeds, rpm, at the nominal bus voltage\n", file);
     print_speed(file, config, "hand-over", (double)drive->start.omega_handover_rad_s,
-                "from start to estimator; slower commands are raised to omega_min_rad_s");
+                "from the start to the estimator; slower commands are raised to omega_min_rad_s");
     print_speed(file, config, "rated", (double)drive->motor.omega_rated_rad_s, rated);
     print_speed(file, config, "base speed", speeds->base_rad_s, base);
     print_speed(file, config, "no-load limit", speeds->no_load_rad_s,
-                "the voltage is used up by the magnets' EMF alone");
+                "the magnets' EMF alone uses up the voltage");
     if (!isnan(speeds->weakened_rad_s)) {
         print_speed(file, config, "weakened limit", speeds->weakened_rad_s,
-                    "the same with the field weakened by id_max_A; none: whatever the speed");
+                    "the same with field weakening by id_max_A; none: no such speed");
     }
     print_speed(file, config, "estimator limit", speeds->estimator_rad_s,
-                "omega_max_rad_s: what the estimator is made for, not what the voltage allows");
+                "omega_max_rad_s, the limit of the estimator, not of the voltage");
 }
 
-/// Whether bridge and sensors are tried before a start, by what, and else why not.
+/// Whether bridge and sensors are tested before a start, with which pulses, or why not.
 static void print_signal_check(FILE *file, const rig_config_t *config, const design_t *design) {
     const lode_start_config_t *start = &config->drive.start;
     if (config->drive.motor.sets > 1.0f) { // two sets have pulses of their own
@@ -147,18 +146,18 @@ static void print_signal_check(FILE *file, const rig_config_t *config, const des
     }
     (void)fputs("before a start: bridge and sensors are ", file);
     if (!isnan(design->signal_check_V)) {
-        (void)fprintf(file, "tried by pulses of %.4g V, which drive up to %.3g A\n",
+        (void)fprintf(file, "tested with pulses of %.4g V, which drive up to %.3g A\n",
                       design->signal_check_V, design->signal_check_A);
     } else if (start->signal_check == LODE_OFF) {
-        (void)fputs("not tried: start.signal_check is off\n", file);
+        (void)fputs("not tested: start.signal_check is off\n", file);
     } else if (start->signal_check == LODE_AUTO &&
                (start->pulses == LODE_OFF || !(start->catch_s > 0.0f))) {
         (void)fputs(
-            "not tried: start.pulses or start.catch_s is off, and start.signal_check is not on\n",
+            "not tested: start.pulses or start.catch_s is off, and start.signal_check is not on\n",
             file);
     } else {
-        (void)fputs("not tried: dead time takes too much of a pulse, or its current is below "
-                    "64 counts\n",
+        (void)fputs("not tested: dead time takes too much of a pulse, or the current of a pulse is "
+                    "below 64 counts\n",
                     file);
     }
 }
@@ -171,33 +170,31 @@ static void print_limits(FILE *file, const rig_config_t *config, const design_t 
                   "torque: %.4g Nm at i_max, %.4g Nm at the start current\n",
                   design->torque_max_Nm, design->start_current_torque_Nm);
     if (config->origin[dead_time].assumed != NULL) {
-        (void)fputs(
-            "low speed: what dead time costs there is not known: dead_time_s is not given\n", file);
+        (void)fputs("low speed: the effect of the dead time is not known, because dead_time_s is "
+                    "not given\n",
+                    file);
     } else {
         (void)fprintf(
             file,
             "low speed: dead time takes %.2f V (4/pi Td f v_bus), as much as the EMF at %.1f rpm;\n"
-            "           below about that speed the angle is as good as the dead-time correction\n",
+            "           below about that speed the dead-time correction decides the angle error\n",
             design->dead_time_V, design->dead_time_equal_rpm);
     }
     if (!lode_start_has_emf(&config->drive.start, &config->drive.inverter, &config->drive.motor)) {
-        (void)fputs(
-            "no usable EMF: up to half of base speed it is less than a quarter of the drop across "
-            "the\n"
-            "           resistance at the start current, which 2 % of a current sensor's gain "
-            "swing\n"
-            "           twice per turn; starts and low speeds will be no better than the sensors\n",
-            file);
+        (void)fputs("no usable EMF: up to half of base speed it is less than a quarter of the "
+                    "resistive drop at\n           the start current. A gain error of 2 % in one "
+                    "current sensor makes that drop\n           pulsate twice per turn: the "
+                    "sensors limit starts and low speeds\n",
+                    file);
     }
-    (void)fprintf(file,
-                  "Lq: each percent that it is off costs %.2f degrees at i_max (%g A) and id = 0\n",
+    (void)fprintf(file, "Lq: each percent of error costs %.2f degrees at i_max (%g A) and id = 0\n",
                   design->angle_per_Lq_percent_deg, (double)config->drive.inverter.i_max_A);
     print_signal_check(file, config, design);
 }
 
 void report_design_text(FILE *file, const rig_config_t *config, const design_t *design) {
     assumptions_print(file, config, "");
-    (void)fputs("every value, and where it came from", file);
+    (void)fputs("every value and its source", file);
     print_values(file, config);
     report_motor_text(file, &config->drive, design);
     print_bandwidths(file, config, design);

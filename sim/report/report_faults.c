@@ -27,7 +27,7 @@ static void harm_words(int harm, char *text, size_t size) {
     }
 }
 
-/// Without its prefix.
+/// The name of a check without its prefix.
 static const char *check_word(lode_check_t check) {
     return lode_check_name(check) + strlen("LODE_CHECK_");
 }
@@ -40,7 +40,7 @@ static void print_time(FILE *file, double time_s) {
     }
 }
 
-/// States of the motor that faults begin from.
+/// The columns: states of the motor in which faults begin.
 static int points_of(const fault_bench_t *bench) {
     int points = 0;
     for (int point = 0; point < FAULT_POINTS; ++point) {
@@ -108,7 +108,8 @@ int report_faults_table(FILE *file, const report_faults_t *report) {
     (void)fprintf(file, "\n%d cases: %d found, %d harmless, %d silent.\n\n", cases, found,
                   cases - found - silent, silent);
     if (points < FAULT_POINTS) {
-        (void)fprintf(file, "-: left out, the speed does not settle there without a fault.\n\n");
+        (void)fprintf(
+            file, "-: left out, because the speed does not settle there even without a fault.\n\n");
     }
     return silent;
 }
@@ -119,26 +120,26 @@ void report_faults_page(FILE *file, const char *tables) {
         "How the drive responds to faults of its sensors, bridge, timer, supply, motor and "
         "memory. Written by `lodestar faults --out docs/faults.md`; nothing here is written by "
         "hand.\n\n"
-        "Each fault begins while the drive stands (before it calibrates; then it is commanded to "
-        "half speed), starts, runs at 10, 50 and 100 % of full speed (but not below 1.25 times "
-        "the least speed) with 0.3 of the torque of i_max, or weakens its field. A cell says by "
-        "which check the fault was found, after which time, the largest true phase current, and "
-        "how far the rotor turned back (mechanical). `harmless`: not found, and nothing went "
-        "wrong within the second (start: three, and twice its time-out) that was watched. "
-        "**silent**: not found, although for 10 ms the rotor was lost (angle off by more than 60 "
-        "degrees), a phase carried more than 1.2 i_max, the current was off its reference by "
-        "more than 0.3 i_max, or the power stage was 10 K above its limit; or at the end the "
-        "speed was off by more than 10 % of full speed, or the drive neither ran nor said why. "
-        "Less current than asked for, or more of it within i_max, is torque that a load might "
-        "have taken or given as well: it is judged by the speed. A speed that was off by as much "
-        "for 0.1 s and recovered is reported: `the speed dips`. An attempt to start that was "
-        "given up right after its hand-over is reported too, from the telemetry's `retries`; "
-        "`given up` says how often. Of a kind with several variants the worst is reported.\n\n"
-        "The plant switches, with dead time and noise. It has no over-current path in hardware, "
-        "which a real bridge must have: where interrupts are missed or a switch is shorted, the "
-        "current is what the motor makes of it. Bus and temperature have a count of noise, and "
-        "`guard.temperature_still_s` is 0.5, `guard.bus_still_s` 0.1: by default they are off, "
-        "and a stuck sensor is then not found.\n\n",
+        "A fault begins in one of six states: at standstill before calibration, after which half "
+        "speed is commanded; during the start; at 10, 50 and 100 % of full speed, but not below "
+        "1.25 times the least speed, with a load of 0.3 times the torque at i_max; and with field "
+        "weakening. A cell gives the check that found the fault, the time until then, the largest "
+        "true phase current, and how far the rotor turned back (mechanical degrees).\n\n"
+        "`harmless`: not found, and nothing went wrong within the observation time of one second "
+        "(start: three seconds plus twice its time-out). **silent**: not found, although one of "
+        "these held for 10 ms: angle error above 60 degrees (rotor lost), a phase current above "
+        "1.2 i_max, a current off its reference by more than 0.3 i_max, a power stage 10 K above "
+        "its limit; or although at the end the speed was off by more than 10 % of full speed, or "
+        "the drive was not in RUN and reported no reason. Current below its reference, or above it "
+        "but within i_max, only changes the torque, as a load does: the speed decides. `the speed "
+        "dips`: the speed was off by more than 10 % of full speed for 0.1 s and recovered. `given "
+        "up`: the number of start attempts given up right after the hand-over, from the "
+        "telemetry's `retries`. Of a fault with several variants the worst result is shown.\n\n"
+        "The simulated inverter switches, with dead time and noise. It has no over-current trip in "
+        "hardware, which a real bridge must have: where interrupts are missed or a switch is "
+        "shorted, only the motor limits the current. Bus voltage and temperature have a noise of "
+        "one count. `guard.temperature_still_s` is 0.5 and `guard.bus_still_s` is 0.1; both are "
+        "off by default, and a stuck sensor is then not found.\n\n",
         file);
     (void)fputs(tables, file);
 }

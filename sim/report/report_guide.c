@@ -38,7 +38,8 @@ static const char *mark(const rig_config_t *config, const char *key) {
 static void print_guide(FILE *file, const rig_config_t *config, const guide_t *guide) {
     const double np = (double)config->drive.motor.pole_pairs;
     if (guide->rows == 0) {
-        (void)fputs("\nFA-LESO: no guideline, because the library would refuse one here\n", file);
+        (void)fputs("\nFA-LESO: no guideline, because the library would refuse an FA-LESO here\n",
+                    file);
         return;
     }
     (void)fprintf(
@@ -93,7 +94,7 @@ static void print_sigma(FILE *file, double sigma_rad_s) {
 static void print_limits(FILE *file, const rig_config_t *config, const limits_t *limits) {
     (void)fprintf(
         file,
-        "\nwhere the limits come from, with this PLL\n"
+        "\nbasis of the limits, with this PLL\n"
         "sigma <= w0/5: %.1f degrees of margin are left with the C-LESO in the loop, none at "
         "%.3f w0;\n               %.1f with a notch of k 0.5 in full at 8 sigma\n",
         limits->w0_margin_deg, limits->sigma_per_w0, limits->w0_margin_notch_deg);
@@ -115,7 +116,7 @@ static void print_limits(FILE *file, const rig_config_t *config, const limits_t 
     print_sigma(file, limits->gi_filtered_rad_s);
     (void)fprintf(file,
                   "\ngeneralised Routh condition (paper 2, Table I): %d of %d random polynomials "
-                  "judged wrongly\n",
+                  "misjudged\n",
                   limits->routh_wrong, limits->routh_cases);
 }
 

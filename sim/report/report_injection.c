@@ -3,7 +3,7 @@
 #include "config/config_json.h"
 #include "support/units.h"
 
-/// Why it cannot be, in words.
+/// Why injection is not possible, in words.
 static const char *reason_of(lode_status_t status) {
     static const struct {
         lode_status_t status;
@@ -11,9 +11,9 @@ static const char *reason_of(lode_status_t status) {
     } reasons[] = {
         {LODE_ERROR_HFI_SALIENCY,
          "the rotor is not salient enough at i_max: Lq'/Ld must be at least 1.15"},
-        {LODE_ERROR_HFI_VOLTAGE, "it would take more than half of the voltage circle"},
+        {LODE_ERROR_HFI_VOLTAGE, "the injection voltage would exceed half of the voltage circle"},
         {LODE_ERROR_HFI_DEAD_TIME,
-         "the dead time would hide the response: a larger hfi.V_h_V, or a shorter dead time"},
+         "the dead time would hide the response: raise hfi.V_h_V, or shorten the dead time"},
         {LODE_ERROR_HFI_SPEEDS, "w1 and w2 do not lie between 0 and the estimator's limit"},
         {LODE_ERROR_ID_BIAS, "hfi.id_A is more than i_max"},
     };
@@ -22,7 +22,7 @@ static const char *reason_of(lode_status_t status) {
             return reasons[k].words;
         }
     }
-    return "the configuration is refused with it";
+    return "the library refuses the configuration with it";
 }
 
 static double rpm_of(const lode_drive_config_t *config, double omega_rad_s) {
@@ -41,25 +41,24 @@ void report_injection_text(FILE *file, const lode_drive_config_t *config, const 
     (void)fprintf(
         file,
         "%s\n"
-        "saliency at i_max: Lq'/Ld = %.2f, as far as Lq_H, Lq_fall or hfi.Lq_i_max_H tell\n"
+        "saliency at i_max: Lq'/Ld = %.2f, from Lq_H, Lq_fall or hfi.Lq_i_max_H\n"
         "amplitude: %.1f V, %.0f %% of the voltage circle; id %.3g A\n"
         "ripple, peak to peak: %.3g A; at i_max %.3g Nm\n"
         "tone: %.0f Hz\n"
-        "angle: %.2f degrees rms by the noise of the currents; %.1f where a current passes "
+        "angle error: %.2f degrees rms from the noise of the currents, %.1f where a current passes "
         "through zero\n"
         "position by injection up to %.1f rpm, by the EMF from %.1f rpm; sigma %.0f rad/s\n",
-        i->on ? "it is used" : "possible: hfi.mode = on", i->saliency, i->V_h_V,
+        i->on ? "in use" : "possible: hfi.mode = on", i->saliency, i->V_h_V,
         100.0 * i->circle_share, i->id_A, i->ripple_A, i->ripple_Nm, i->tone_Hz, i->noise_deg,
         rig_deg_from_rad(i->dead_time_rad), rpm_of(config, i->w1_rad_s),
         rpm_of(config, i->w2_rad_s), i->sigma_rad_s);
-    (void)fprintf(
-        file,
-        "a load of the largest torque, %.3g Nm, that turns round: %.1f degrees while injecting, "
-        "%.1f by the EMF\n",
-        i->torque_Nm, i->step_deg, i->step_emf_deg);
+    (void)fprintf(file,
+                  "reversal of a load of the largest torque, %.3g Nm: angle error %.1f degrees "
+                  "with injection, %.1f with the EMF\n",
+                  i->torque_Nm, i->step_deg, i->step_emf_deg);
     if (i->loses_steps) {
-        (void)fprintf(file, "warning: a QPLL has no disturbance state, and does not follow a rotor "
-                            "so light: estimator.pll = leso-qpll\n");
+        (void)fprintf(file, "warning: a QPLL has no disturbance state and does not follow so light "
+                            "a rotor; expected estimator.pll = leso-qpll\n");
     }
 }
 

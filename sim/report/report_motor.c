@@ -6,7 +6,7 @@
 #include "support/units.h"
 
 typedef struct {
-    const char *key; ///< that of the INI file, where there is one
+    const char *key; ///< key of the INI file, if there is one
     const char *unit;
     const char *words;
     double value;
@@ -42,7 +42,7 @@ static void lines_of(line_t lines[LINES], const lode_drive_config_t *drive,
 void report_motor_text(FILE *file, const lode_drive_config_t *drive, const design_t *design) {
     line_t lines[LINES];
     lines_of(lines, drive, design);
-    (void)fputs("\nthe motor in the terms of data sheets: compare with yours\n", file);
+    (void)fputs("\nthe motor in data-sheet quantities: compare with yours\n", file);
     for (int k = 0; k < LINES; ++k) {
         (void)fprintf(file, "%-16s %10.4g %-9s  %s\n", lines[k].key, lines[k].value, lines[k].unit,
                       lines[k].words);

@@ -52,27 +52,27 @@ void report_replay_table(FILE *file, const rig_config_t *config, const recording
                   recording->row[recording->rows - 1].t_s - recording->row[0].t_s,
                   1e6 * recording->ts_s);
     if (recording->resampled > 0) {
-        (void)fprintf(file, "resampled: made from %zu rows of the file\n", recording->resampled);
+        (void)fprintf(file, "resampled from %zu rows of the file\n", recording->resampled);
     }
     if (recording->gaps > 0) {
-        (void)fprintf(file, "gaps: %zu, %.6g s in all; the estimator begins anew behind each\n",
+        (void)fprintf(file, "gaps: %zu, %.6g s in all; the estimator restarts after each\n",
                       recording->gaps, recording->gaps_s);
     }
     if (replay->off > 0) {
-        (void)fprintf(
-            file,
-            "gates off: %zu rows (no voltage, and no current or that of the trip), no estimate\n",
-            replay->off);
+        (void)fprintf(file,
+                      "gates off: %zu rows without an estimate (no voltage; current 0, or held "
+                      "since the trip)\n",
+                      replay->off);
     }
     const lode_estimate_t *last = &replay->row[replay->rows - 1];
-    (void)fprintf(file, "at the end: speed %.2f rpm, lock %.3f; acquired anew %zu times\n",
+    (void)fprintf(file, "at the end: speed %.2f rpm, lock %.3f; reacquired %zu times\n",
                   electrical_rpm(config, (double)last->omega_rad_s), (double)last->lock,
                   replay->reseeds);
     if (recording->has_theta) {
         (void)fprintf(
             file,
             "angle error (estimate - truth, electrical degrees)\n"
-            "  last %.1f s: mean %.4f, pp %.4f\n  from %.1f s after a beginning on: max %.4f\n",
+            "  last %.1f s: mean %.4f, pp %.4f\n  later than %.1f s after each start: max %.4f\n",
             REPLAY_WINDOW_s, rig_stats_mean(&replay->error_window_deg),
             rig_stats_peak_to_peak(&replay->error_window_deg), REPLAY_SETTLE_s,
             rig_stats_peak(&replay->error_settled_deg));
@@ -91,8 +91,8 @@ void report_replay_table(FILE *file, const rig_config_t *config, const recording
     if (recording->has_omega) {
         (void)fprintf(
             file,
-            "speed error (estimate - truth, rpm)\n  last %.1f s: mean %.4f\n"
-            "  from %.1f s after a beginning on: max %.4f\n",
+            "speed error (estimate - truth, rpm)\n  last %.1f s: mean %.4f\n  later than %.1f s "
+            "after each start: max %.4f\n",
             REPLAY_WINDOW_s, electrical_rpm(config, rig_stats_mean(&replay->speed_window_rad_s)),
             REPLAY_SETTLE_s, electrical_rpm(config, rig_stats_peak(&replay->speed_settled_rad_s)));
     }

@@ -20,7 +20,7 @@ const char *report_mode_name(lode_mode_t mode) {
 
 // ---- Table --------------------------------------------------------------------------------------
 
-/// A number in a column of the table, a dash where there is none.
+/// A number in a column of the table, or a dash.
 static void cell(FILE *file, int width, int decimals, double value) {
     if (isnan(value)) {
         (void)fprintf(file, " %*s", width, "-");
@@ -43,12 +43,12 @@ static void print_phase(FILE *file, const runner_phase_t *phase) {
     cell(file, 5, 2, rig_stats_min(&phase->run_lock));
     (void)fprintf(file, "  %s\n", report_mode_name(phase->mode));
     if (!isnan(phase->Lq_off_percent)) {
-        (void)fprintf(file, "    learned: Lq %+.1f %% off the motor's, confidence %.2f\n",
+        (void)fprintf(file, "    learned: Lq %+.1f %% from the motor's value, confidence %.2f\n",
                       phase->Lq_off_percent, phase->Lq_confidence);
     }
     if (!isnan(phase->battery_A)) {
         (void)fprintf(file,
-                      "    supply: at most %.2f A out of it, %.2f A into it, bus at most %.1f V\n",
+                      "    supply: at most %.2f A drawn, %.2f A fed back, bus at most %.1f V\n",
                       fmax(phase->battery_A, 0.0), fmax(phase->regen_A, 0.0), phase->v_bus_V);
     }
     if (phase->missed[0] != '\0') {
@@ -116,7 +116,7 @@ static const char *verdict(const runner_result_t *result) {
     return result->barred ? "passed" : "done, no bars set";
 }
 
-/// After which of them it was started again stands among the events.
+/// The events show after which of these faults the drive was started again.
 static void print_log(FILE *file, const runner_result_t *result) {
     if (result->faults == 0 || !result->supervised) {
         return;
@@ -139,8 +139,7 @@ static void print_verdict(FILE *file, const runner_result_t *result) {
                       report_mode_name((lode_mode_t)result->fault.state), what,
                       result->fault_expected ? " (as the scenario expects)" : "");
         if (result->retries > 0) {
-            (void)fprintf(file, "attempts of the start that had failed before: %d\n",
-                          result->retries);
+            (void)fprintf(file, "start attempts that had failed before: %d\n", result->retries);
         }
     }
     if (result->never_ran) {
@@ -148,7 +147,7 @@ static void print_verdict(FILE *file, const runner_result_t *result) {
                       report_mode_name(result->phase[result->phases - 1].mode));
     }
     if (result->starts_yet) {
-        (void)fprintf(file, "\nRUN was lost and did not come back: %d attempts to start failed\n",
+        (void)fprintf(file, "\nRUN was lost and not reached again: %d start attempts failed\n",
                       result->retries);
     }
     (void)fprintf(file,
@@ -174,7 +173,7 @@ static void print_heading(FILE *file, const rig_config_t *config) {
         (double)drive->motor.pole_pairs, (double)drive->f_pwm_Hz, (double)drive->inverter.v_bus_V,
         config->plant.inverter == (int)PLANT_SWITCHING ? "switched" : "ideal", emf, pll,
         config->source == RIG_SOURCE_TRUTH     ? " unused: driven by the true angle"
-        : config->source == RIG_SOURCE_ENCODER ? " behind an angle sensor"
+        : config->source == RIG_SOURCE_ENCODER ? " with an angle sensor"
                                                : "",
         config->scenario.seed);
 }

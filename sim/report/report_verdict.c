@@ -14,18 +14,18 @@ static double rpm_of(const lode_drive_config_t *drive, double omega_rad_s) {
 static void print_speeds(FILE *file, const lode_drive_config_t *drive, const design_t *design) {
     const speed_limits_t *speeds = &design->speeds;
     const verdict_t *verdict = &design->verdict;
-    (void)fprintf(file, "speeds: %s%.0f .. %.0f rpm; base speed %.0f rpm, by voltage %.0f",
+    (void)fprintf(file, "speeds: %s%.0f .. %.0f rpm; base speed %.0f rpm, voltage limit %.0f",
                   verdict->highest_rad_s < verdict->lowest_rad_s ? "none, " : "",
                   rpm_of(drive, verdict->lowest_rad_s), rpm_of(drive, verdict->highest_rad_s),
                   rpm_of(drive, speeds->base_rad_s), rpm_of(drive, speeds->no_load_rad_s));
     if (isinf(speeds->weakened_rad_s)) {
-        (void)fputs(", with a weakened field any", file);
+        (void)fputs(", no voltage limit with field weakening", file);
     } else if (!isnan(speeds->weakened_rad_s)) {
-        (void)fprintf(file, ", with a weakened field %.0f", rpm_of(drive, speeds->weakened_rad_s));
+        (void)fprintf(file, ", with field weakening %.0f", rpm_of(drive, speeds->weakened_rad_s));
     } else {
         // the field is not weakened
     }
-    (void)fprintf(file, ", by the estimator %.0f\n", rpm_of(drive, speeds->estimator_rad_s));
+    (void)fprintf(file, ", estimator limit %.0f\n", rpm_of(drive, speeds->estimator_rad_s));
 }
 
 static void print_step(FILE *file, const lode_drive_config_t *drive, const verdict_step_t *step,
@@ -33,7 +33,7 @@ static void print_step(FILE *file, const lode_drive_config_t *drive, const verdi
     (void)fprintf(file,
                   "largest load step at %s, %.0f rpm: %.3g Nm, %.0f %% of rated torque (%s)\n",
                   where, rpm_of(drive, step->omega_rad_s), step->torque_Nm, 100.0 * step->share,
-                  step->by_current ? "limited by i_max" : "limited by the dip in speed");
+                  step->by_current ? "limited by i_max" : "limited by the speed dip");
 }
 
 static void print_loop(FILE *file, const char *name, double rpm, const analyse_loop_t *loop) {
@@ -65,7 +65,7 @@ void report_verdict_text(FILE *file, const lode_drive_config_t *drive, const des
     print_step(file, drive, &verdict->step[VERDICT_HIGH],
                design->speeds.base_rad_s > design->speeds.estimator_rad_s ? "the estimator's limit"
                                                                           : "base speed");
-    (void)fprintf(file, "rated torque: %.3g Nm, of i_max/%g and id = 0\n", verdict->rated_torque_Nm,
+    (void)fprintf(file, "rated torque: %.3g Nm, at i_max/%g and id = 0\n", verdict->rated_torque_Nm,
                   SPEED_LIMITS_CONTROL);
     print_loops(file, drive, verdict);
     const int doubts = plausible_print_doubts(file, &design->plausible);

@@ -9,7 +9,7 @@
 
 typedef enum { TIME, VOLTAGE, CURRENT, ANGLE, SPEED } kind_t;
 
-/// In the order of column_t; the unit is the one that a name without mapping is shown with.
+/// In the order of column_t, with the unit that messages show for a name without mapping.
 static const struct {
     const char *name, *unit;
     kind_t kind;
@@ -30,7 +30,7 @@ static const struct {
     {"speed", "rpm", SPEED},
 };
 
-/// The first of a kind is the SI unit.
+/// The first unit of a kind is the SI unit.
 static const struct {
     kind_t kind;
     const char *name;
@@ -100,7 +100,7 @@ static bool refuse_map(const char *map) {
     return false;
 }
 
-/// The unit behind the last colon, or a factor to SI units. Cuts it off the column's name.
+/// The unit after the last colon, or a factor to SI units. Removes it from the column's name.
 static bool take_unit(const char *map, int field, char *name, double *factor) {
     char *colon = strrchr(name, ':');
     char known[64];
@@ -137,7 +137,7 @@ static bool refuse_name(const csv_reader_t *reader, const char *map, const char 
     return false;
 }
 
-/// The column that is named so, once; "#3": the third one.
+/// The only column of that name; "#3": the third column.
 static int column_of(const char *name, char *const *cell, int count, bool header) {
     if (name[0] == '#') {
         char *end = NULL;
@@ -182,7 +182,7 @@ static bool take_map(columns_t *self, const csv_reader_t *reader, const char *ma
 
 // ---- Names of the header --------------------------------------------------------------------------
 
-/// The quantity of a column that is called NAME_UNIT, as t_s or i_alpha_mA.
+/// The quantity of a column named NAME_UNIT, as t_s or i_alpha_mA.
 static int field_by_name(const char *cell, double *factor) {
     for (int k = 0; k < COLUMN_COUNT; ++k) {
         const size_t length = strlen(fields[k].name);
@@ -231,7 +231,7 @@ static bool missing(const columns_t *self, const csv_reader_t *reader, column_t 
             rig_error_at(reader->path, (int)reader->line,
                          "no column %s_%s; expected a header line with t_s, u_alpha_V, u_beta_V, "
                          "i_alpha_A and i_beta_A, or phases u_a_V .. i_c_A; --column %s=COLUMN "
-                         "takes another one",
+                         "selects another one",
                          fields[k].name, fields[k].unit, fields[k].name);
         }
     }
@@ -244,7 +244,8 @@ static void forget(columns_t *self, column_t first, int count) {
     }
 }
 
-/// Stator axes, or else phases in their place: what is not needed is not read. `least`: phases that do.
+/// Uses the stator axes, or else the phases; columns that are not needed are not read. `least`: number of
+/// phases that suffice.
 static bool settle(columns_t *self, const csv_reader_t *reader, column_t axes, column_t phases,
                    int least) {
     if (has_all(self, axes, 2)) {

@@ -12,35 +12,37 @@
 const inject_kind_t inject_kinds[] = {
     {"none", "nothing", INJECT_NOTHING, false, 0.0},
     {"adc-frozen", "all current ADC channels keep their last count", INJECT_FREEZE, true, 0.0},
-    {"adc-frozen-noisy", "all keep their last count, with a count of noise", INJECT_FREEZE_NOISY,
-     true, 0.0},
+    {"adc-frozen-noisy", "all current ADC channels keep their last count, with noise of one count",
+     INJECT_FREEZE_NOISY, true, 0.0},
     {"adc-last", "one current ADC channel keeps its last count", INJECT_HOLD, false, 0.0},
-    {"adc-mid", "one reads the middle of its range", INJECT_COUNT, false, 0.5},
-    {"adc-mid-all", "all read the middle", INJECT_COUNT, true, 0.5},
-    {"adc-mid-all-noisy", "all read the middle, with a count of noise", INJECT_COUNT_NOISY, true,
-     0.5},
-    {"adc-high", "one reads its highest count", INJECT_COUNT, false, 1.0},
-    {"adc-low", "one reads 0", INJECT_COUNT, false, 0.0},
-    {"adc-60", "one reads 60 % of its range", INJECT_COUNT, false, 0.6},
-    {"gain-0.4", "one current gain is 0.4 of what it was", INJECT_GAIN, false, 0.4},
-    {"gain-0.7", "one current gain is 0.7", INJECT_GAIN, false, 0.7},
-    {"gain-1.5", "one current gain is 1.5", INJECT_GAIN, false, 1.5},
-    {"gains-0.4", "all current gains are 0.4", INJECT_GAIN, true, 0.4},
-    {"gains-0.7", "all current gains are 0.7", INJECT_GAIN, true, 0.7},
-    {"gains-1.5", "all current gains are 1.5", INJECT_GAIN, true, 1.5},
-    {"offset-12", "one offset drifts by 12 % of i_max", INJECT_OFFSET, false, 0.12},
-    {"offset-25", "one offset drifts by 25 % of i_max", INJECT_OFFSET, false, 0.25},
-    {"offsets-25", "all offsets drift by 25 % of i_max", INJECT_OFFSET, true, 0.25},
-    {"sensors-swapped", "the sensors of phases a and b are swapped", INJECT_SWAP, false, 0.0},
-    {"sensors-rotated", "the sensors of a, b, c are those of b, c, a", INJECT_ROTATE, false, 0.0},
+    {"adc-mid", "one current ADC channel reads mid-range", INJECT_COUNT, false, 0.5},
+    {"adc-mid-all", "all current ADC channels read mid-range", INJECT_COUNT, true, 0.5},
+    {"adc-mid-all-noisy", "all current ADC channels read mid-range, with noise of one count",
+     INJECT_COUNT_NOISY, true, 0.5},
+    {"adc-high", "one current ADC channel reads full scale", INJECT_COUNT, false, 1.0},
+    {"adc-low", "one current ADC channel reads 0", INJECT_COUNT, false, 0.0},
+    {"adc-60", "one current ADC channel reads 60 % of full scale", INJECT_COUNT, false, 0.6},
+    {"gain-0.4", "one current gain falls to 0.4", INJECT_GAIN, false, 0.4},
+    {"gain-0.7", "one current gain falls to 0.7", INJECT_GAIN, false, 0.7},
+    {"gain-1.5", "one current gain rises to 1.5", INJECT_GAIN, false, 1.5},
+    {"gains-0.4", "all current gains fall to 0.4", INJECT_GAIN, true, 0.4},
+    {"gains-0.7", "all current gains fall to 0.7", INJECT_GAIN, true, 0.7},
+    {"gains-1.5", "all current gains rise to 1.5", INJECT_GAIN, true, 1.5},
+    {"offset-12", "one current offset drifts by 12 % of i_max", INJECT_OFFSET, false, 0.12},
+    {"offset-25", "one current offset drifts by 25 % of i_max", INJECT_OFFSET, false, 0.25},
+    {"offsets-25", "all current offsets drift by 25 % of i_max", INJECT_OFFSET, true, 0.25},
+    {"sensors-swapped", "the current sensors of phases a and b are swapped", INJECT_SWAP, false,
+     0.0},
+    {"sensors-rotated", "the current sensors of phases a, b, c measure b, c, a", INJECT_ROTATE,
+     false, 0.0},
     {"switch-high-dead", "the high switch of phase a no longer turns on", INJECT_DEAD, false, 1.0},
     {"switch-low-dead", "the low switch of phase a no longer turns on", INJECT_DEAD, false, 0.0},
     {"leg-dead", "neither switch of phase a turns on", INJECT_DEAD, false, 2.0},
     {"switch-high-shorted", "the high switch of phase a is shorted", INJECT_SHORT, false, 1.0},
     {"switch-low-shorted", "the low switch of phase a is shorted", INJECT_SHORT, false, 0.0},
-    {"phase-open", "phase a breaks", INJECT_OPEN, false, 0.0},
-    {"duties-late", "duties act one period late", INJECT_LATE, true, 0.0},
-    {"duties-early", "duties act one period early", INJECT_EARLY, true, 0.0},
+    {"phase-open", "the wire of phase a breaks", INJECT_OPEN, false, 0.0},
+    {"duties-late", "the duties act one period late", INJECT_LATE, true, 0.0},
+    {"duties-early", "the duties act one period early", INJECT_EARLY, true, 0.0},
     {"register-last", "the duty of phase a stays as it was", INJECT_REGISTER, false, -1.0},
     {"register-0", "the duty of phase a stays 0", INJECT_REGISTER, false, 0.0},
     {"register-1", "the duty of phase a stays 1", INJECT_REGISTER, false, 1.0},
@@ -49,26 +51,28 @@ const inject_kind_t inject_kinds[] = {
     {"bus-stuck-rises", "the bus sensor is stuck, the bus rises by 15 %", INJECT_BUS_HOLD, true,
      0.15},
     {"bus-reads-0", "the bus sensor reads 0", INJECT_BUS_READ, true, 0.0},
-    {"bus-reads-full", "the bus sensor reads its full scale", INJECT_BUS_READ, true, 1.0},
+    {"bus-reads-full", "the bus sensor reads full scale", INJECT_BUS_READ, true, 1.0},
     {"ntc-stuck", "the temperature sensor is stuck, the power stage heats up to 140 degC",
      INJECT_NTC_HOLD, true, 0.0},
-    {"ntc-low", "the temperature reads 0, the power stage heats up", INJECT_NTC_READ, true, 0.0},
-    {"ntc-high", "the temperature reads its full scale", INJECT_NTC_READ, true, 1.0},
+    {"ntc-low", "the temperature sensor reads 0, the power stage heats up", INJECT_NTC_READ, true,
+     0.0},
+    {"ntc-high", "the temperature sensor reads full scale", INJECT_NTC_READ, true, 1.0},
     {"irq-missed", "one interrupt is missed", INJECT_MISS, true, 1.0},
     {"irq-missed-100", "100 interrupts in a row are missed", INJECT_MISS, true, 100.0},
     {"irq-missed-each", "every 10th interrupt is missed", INJECT_MISS_EACH, true, 10.0},
     {"irq-doubled", "one interrupt comes twice", INJECT_DOUBLE, true, 1.0},
-    {"irq-doubled-each", "every 10th comes twice", INJECT_DOUBLE_EACH, true, 10.0},
+    {"irq-doubled-each", "every 10th interrupt comes twice", INJECT_DOUBLE_EACH, true, 10.0},
     {"flux-70", "the magnets lose 30 % of their flux", INJECT_FLUX, true, 0.7},
-    {"rotor-jammed", "the rotor stands", INJECT_JAM, true, 0.0},
-    {"overhauled-back", "the load turns the rotor back with twice the torque of i_max",
+    {"rotor-jammed", "the rotor is jammed", INJECT_JAM, true, 0.0},
+    {"overhauled-back", "the load turns the rotor backwards with twice the torque of i_max",
      INJECT_OVERHAUL, true, -2.0},
-    {"overhauled-on", "the load turns the rotor on with twice the torque of i_max", INJECT_OVERHAUL,
-     true, 2.0},
-    {"flip-tuning", "a bit of the tuning flips (16 of them)", INJECT_FLIP_TUNING, true, 0.0},
-    {"flip-state", "a bit of the drive's state flips (16)", INJECT_FLIP_STATE, true, 0.0},
-    {"flip-mode", "a bit of the mode flips (8)", INJECT_FLIP_MODE, true, 0.0},
-    {"flip-command", "a bit of the command flips (16)", INJECT_FLIP_COMMAND, true, 0.0},
+    {"overhauled-on", "the load turns the rotor forwards with twice the torque of i_max",
+     INJECT_OVERHAUL, true, 2.0},
+    {"flip-tuning", "a bit of the tuning flips (16 bits tried)", INJECT_FLIP_TUNING, true, 0.0},
+    {"flip-state", "a bit of the drive's state flips (16 bits tried)", INJECT_FLIP_STATE, true,
+     0.0},
+    {"flip-mode", "a bit of the mode flips (8 bits tried)", INJECT_FLIP_MODE, true, 0.0},
+    {"flip-command", "a bit of the command flips (16 bits tried)", INJECT_FLIP_COMMAND, true, 0.0},
 };
 const int inject_kind_count = (int)(sizeof inject_kinds / sizeof inject_kinds[0]);
 typedef char kinds_fit[sizeof inject_kinds / sizeof inject_kinds[0] <= INJECT_KINDS_MAX ? 1 : -1];
@@ -94,7 +98,7 @@ void inject_init(inject_t *self, const inject_kind_t *kind, const rig_config_t *
     };
 }
 
-/// 0 .. 1 within `time_s` of the beginning.
+/// Rises from 0 to 1 within `time_s` of the start of the fault.
 static double ramp(const inject_t *self, double time_s) {
     return fmin(1.0, (double)self->periods * self->ts_s / time_s);
 }
@@ -113,7 +117,7 @@ static uint64_t mixed(uint64_t x) {
 
 // ---- What the drive reads -----------------------------------------------------------------------
 
-/// A count up, down, or none: what an amplifier without a signal leaves.
+/// One count up, down, or none: the noise of an amplifier without a signal.
 static double noise(const inject_t *self, int set, int n) {
     const uint64_t channel = (uint64_t)(set * PLANT_PHASES + n);
     const uint64_t sample = self->periods * PLANT_LEGS + channel;
@@ -204,7 +208,7 @@ static void flip(inject_t *self, void *memory, size_t size) {
     *octet = (unsigned char)(*octet ^ (1u << (z >> 32) % 8u));
 }
 
-/// Not the pointers, which are addresses of the host: on a target they point somewhere, here nowhere.
+/// Bits of pointers are left out: they are addresses of the host, and a flipped one would point to no memory here.
 static void flip_state(inject_t *self, lode_drive_t *drive) {
     const size_t first = offsetof(lode_drive_t, steps);
     flip(self, (unsigned char *)drive + first, offsetof(lode_drive_t, posted_tuning) - first);
@@ -214,7 +218,7 @@ static void flip_memory(inject_t *self, rig_t *rig) {
     lode_drive_t *drive = rig->drive;
     switch (self->kind->how) {
     case INJECT_FLIP_TUNING:
-        // The one in use: that of both sets, where there are two.
+        // The tuning in use: that of both sets if there are two.
         if (rig->sets == PLANT_SETS) {
             flip(self, &rig->six_tuning[0].drive, sizeof rig->six_tuning[0].drive);
         } else {
@@ -297,10 +301,10 @@ static void write_duties(inject_t *self, rig_t *rig, int set, const lode_drive_o
         memcpy(before, duty, sizeof duty);
         memcpy(duty, was, sizeof duty);
     }
-    plant_write_set(&rig->plant, set, duty, (plant_gates_t)out->gates); // the same three
+    plant_write_set(&rig->plant, set, duty, (plant_gates_t)out->gates); // the same three values
 }
 
-/// How often the interrupt comes in this period.
+/// Number of interrupts in this period.
 static int calls_now(const inject_t *self) {
     const double n = (double)self->periods;
     const double value = self->kind->value;

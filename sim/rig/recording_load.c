@@ -12,7 +12,7 @@
 
 typedef struct {
     bool has_header;
-    size_t header, data; ///< first line that may be it, or that may hold data
+    size_t header, data; ///< first line that may be the header, or may hold data
 } layout_t;
 
 static bool take_line(const char *option, const char *text, size_t *line) {
@@ -23,7 +23,7 @@ static bool take_line(const char *option, const char *text, size_t *line) {
     errno = 0;
     const unsigned long number = strtoul(text, &end, 10);
     if (text[0] < '0' || text[0] > '9' || *end != '\0' || errno != 0 || number < 1) {
-        rig_error("%s %s: expected the number of a line, from 1", option, text);
+        rig_error("%s %s: expected a line number, 1 or more", option, text);
         return false;
     }
     *line = number;
@@ -67,13 +67,13 @@ static recording_row_t row_of(const columns_t *columns, const double *value, dou
     return row;
 }
 
-/// The header, or a first line of data to count columns on, which is then read once more.
+/// Reads the header, or a first line of data to count its columns; that line is then read again.
 static bool read_header(csv_reader_t *reader, columns_t *columns, const layout_t *layout,
                         const recording_format_t *format) {
     if (!csv_reader_line(reader, layout->has_header ? layout->header : layout->data)) {
         if (!reader->failed) {
             rig_error_at(reader->path, 0, "empty%s; expected a CSV file with a header line",
-                         layout->header + layout->data > 0 ? " from the line given on" : "");
+                         layout->header + layout->data > 0 ? " from the given line on" : "");
         }
         return false;
     }

@@ -6,9 +6,9 @@
 #include "support/diag.h"
 #include "support/units.h"
 
-// Jitter, rounding of t_s, and a clock that is not quite the one that the drive's file gives.
+// Allows for jitter, rounding of t_s, and a clock that differs slightly from that of the drive's file.
 #define STEP_TOLERANCE 0.01
-// From here on a row is missing.
+// From this step on, a row is missing.
 #define GAP_STEPS 1.5
 
 static int compare(const void *a, const void *b) {
@@ -17,7 +17,7 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/// NaN where memory is out.
+/// NaN if out of memory.
 static double median_step(const recording_t *self) {
     const size_t steps = self->rows - 1;
     double *step = malloc(steps * sizeof *step);
@@ -41,7 +41,7 @@ static bool is_even(double step_s, double wanted_s) {
     return fabs(step_s - wanted_s) <= STEP_TOLERANCE * wanted_s;
 }
 
-/// Rows that are as far apart as the drive's periods. Slower ones cannot be made faster.
+/// Checks that the rows are one period of the drive apart. Slower rows cannot be resampled.
 static bool check_rate(const recording_t *self, const char *path, const recording_format_t *format,
                        double median_s) {
     const int line = (int)self->row[1].line;
@@ -52,7 +52,7 @@ static bool check_rate(const recording_t *self, const char *path, const recordin
     if (median_s > period_s) {
         rig_error_at(path, line,
                      "t_s: a row every %.6g s; expected one per PWM period, every %.6g s by "
-                     "f_pwm_Hz = %g. What lies between cannot be made up: record every period "
+                     "f_pwm_Hz = %g. Missing rows cannot be restored: record every period "
                      "(ring and scope: decimation 1; run: --set scenario.log_s=%.6g)",
                      median_s, period_s, format->f_pwm_Hz, period_s);
         return false;
@@ -60,7 +60,7 @@ static bool check_rate(const recording_t *self, const char *path, const recordin
     if (!format->resample) {
         rig_error_at(path, line,
                      "t_s: a row every %.6g s; expected one per PWM period, every %.6g s by "
-                     "f_pwm_Hz = %g; --resample makes such rows of these",
+                     "f_pwm_Hz = %g; use --resample",
                      median_s, period_s, format->f_pwm_Hz);
     }
     return format->resample;
@@ -70,8 +70,8 @@ static bool check_rising(const recording_t *self, const char *path) {
     for (size_t k = 1; k < self->rows; ++k) {
         if (!(step_to(self, k) > 0.0)) {
             rig_error_at(path, (int)self->row[k].line,
-                         "t_s: a step of %.6g s; expected times that rise (a drive that was "
-                         "started anew begins a file of its own)",
+                         "t_s: a step of %.6g s; expected rising times (use a new file after a "
+                         "restart of the drive)",
                          step_to(self, k));
             return false;
         }
@@ -79,13 +79,13 @@ static bool check_rising(const recording_t *self, const char *path) {
     return true;
 }
 
-/// Every step the same. Of steps that agree so well the mean is the better one where t_s is rounded.
+/// Checks that all steps are equal. For equal steps the mean is more exact if t_s is rounded.
 static bool check_even(recording_t *self, const char *path, double median_s) {
     for (size_t k = 1; k < self->rows; ++k) {
         if (!is_even(step_to(self, k), median_s)) {
             rig_error_at(path, (int)self->row[k].line,
                          "t_s: a step of %.6g s; expected %.6g s (the median) within 1 %%; "
-                         "--resample goes on behind gaps and evens out the rest",
+                         "--resample continues after gaps and evens out the other steps",
                          step_to(self, k), median_s);
             return false;
         }
@@ -96,8 +96,8 @@ static bool check_even(recording_t *self, const char *path, double median_s) {
 
 // ---- Resampling ---------------------------------------------------------------------------------
 
-/// Marks the rows behind gaps. Returns true if all other steps are those of PWM periods already, and sets
-/// ts_s to their mean.
+/// Marks the rows after gaps. Returns true if all other steps already are PWM periods, and sets ts_s to their
+/// mean.
 static bool find_gaps(recording_t *self, double median_s, double period_s) {
     bool even = is_even(median_s, period_s);
     double sum_s = 0.0;
@@ -118,7 +118,7 @@ static bool find_gaps(recording_t *self, double median_s, double period_s) {
     return even;
 }
 
-/// The row at `t_s`, between `from` and the one behind it: currents, angle and speed along a straight line.
+/// The row at `t_s`, between `from` and the next one: linear interpolation of currents, angle and speed.
 static recording_row_t row_at(const recording_row_t *from, double t_s) {
     const recording_row_t *to = from + 1;
     const double share = (t_s - from->t_s) / (to->t_s - from->t_s);
@@ -131,7 +131,7 @@ static recording_row_t row_at(const recording_row_t *from, double t_s) {
     return row;
 }
 
-/// Mean voltage from `row->t_s` on for a period: each row's acts until the next one.
+/// Mean voltage over the period from `row->t_s` on: the voltage of each row acts until the next row.
 static void set_voltage(recording_row_t *row, const recording_row_t *at,
                         const recording_row_t *last, double period_s) {
     const double end_s = row->t_s + period_s;
@@ -150,7 +150,7 @@ static void set_voltage(recording_row_t *row, const recording_row_t *at,
     row->u_beta_V = beta_Vs / period_s;
 }
 
-/// The rows first .. last, between which there is no gap, at even times.
+/// Resamples the rows first .. last, without a gap, to even times.
 static bool resample_stretch(const recording_t *from, size_t first, size_t last, recording_t *to,
                              size_t *capacity) {
     size_t at = first;

@@ -15,7 +15,7 @@
 #include "support/progress.h"
 #include "support/units.h"
 
-// A speed counts as reached within this share of it: its mean, once it has settled, is closer by far.
+// A speed counts as reached within this share of it. The mean of a settled speed is much closer.
 #define SPEED_REACHED 0.02
 
 enum { LOG_ROWS = 6000, PERIODS_PER_PROGRESS = 4096 };
@@ -36,26 +36,26 @@ typedef struct {
     uint64_t log_every;
     uint64_t k;
     lode_command_t command;
-    double speed_rpm;      ///< commanded now
-    double speed_goal_rpm; ///< where the command is moving to
+    double speed_rpm;      ///< present command
+    double speed_goal_rpm; ///< end of the ramp of the command
     double speed_step_rpm; ///< per period
     lode_mode_t mode;
-    bool driven; ///< the gates were on in the period that the estimate looks back at
+    bool driven; ///< the gates were on in the period of which the estimate uses the voltage
     bool faulted;
-    bool asked;   ///< by a phase, for RUN with a speed
-    bool excused; ///< such a phase says itself that it ends otherwise
-    bool held;    ///< by a dynamometer
+    bool asked;   ///< a phase has commanded RUN with a speed
+    bool excused; ///< such a phase has an end_mode other than RUN
+    bool held;    ///< speed held by a dynamometer
     double v_bus_V;
-    double drawn_J;  ///< out of the supply, before the period at hand
+    double drawn_J;  ///< energy drawn from the supply before this period
     double supply_A; ///< filtered
     bool looks_at_supply;
     speed_limits_t limits;
     int found_open;
-    bool open[PLANT_LEGS]; ///< broken phases that the log has
+    bool open[PLANT_LEGS]; ///< broken phases that the log already has
     progress_t progress;
 } run_t;
 
-/// One period as seen from outside.
+/// One period, seen from outside.
 typedef struct {
     rig_moment_t at;
     double error_deg;
@@ -70,7 +70,7 @@ static lode_estimate_t own_estimate(lode_drive_t *drive, const lode_sample_t *sa
     return lode_drive_estimate(drive, sample);
 }
 
-/// As if the motor had a perfect encoder, which the drive takes over. It tells no load torque.
+/// As with a perfect encoder on the motor. It gives no load torque.
 static lode_estimate_t true_estimate(lode_drive_t *drive, const lode_sample_t *sample,
                                      const plant_truth_t *truth, runner_memory_t *memory) {
     (void)memory;
@@ -84,7 +84,7 @@ static lode_estimate_t true_estimate(lode_drive_t *drive, const lode_sample_t *s
     return estimate;
 }
 
-/// An angle sensor on the shaft, which counts from the start of the run.
+/// An angle sensor on the shaft that counts from the start of the run.
 static lode_estimate_t encoder_estimate(lode_drive_t *drive, const lode_sample_t *sample,
                                         const plant_truth_t *truth, runner_memory_t *memory) {
     const double np = 1.0 / (double)drive->tuning->speed.inv_pole_pairs;
@@ -102,7 +102,7 @@ static bool on_its_own(const lode_drive_t *drive, const plant_truth_t *truth,
     return drive->mode == (uint_least8_t)LODE_MODE_RUN && truth->t_s >= memory->seeded_s;
 }
 
-/// The drive's own estimator, started at the truth: until then the drive has an encoder.
+/// The drive's own estimator, started from the true values; before that the drive uses a perfect encoder.
 static lode_estimate_t seeded_estimate(lode_drive_t *drive, const lode_sample_t *sample,
                                        const plant_truth_t *truth, runner_memory_t *memory) {
     if (on_its_own(drive, truth, memory)) {
@@ -114,8 +114,8 @@ static lode_estimate_t seeded_estimate(lode_drive_t *drive, const lode_sample_t 
     return estimate;
 }
 
-/// One of the papers' forms in its place. Until `own` it is held to `leader`, which makes the start:
-/// the papers' forms have nothing for that.
+/// One of the papers' forms instead. Until `own` it is set to `leader`, which makes the start, because the
+/// papers' forms have no start.
 static lode_estimate_t euler_after(const lode_estimate_t *leader, bool own,
                                    const lode_drive_t *drive, const lode_sample_t *sample,
                                    runner_memory_t *memory) {
@@ -188,7 +188,7 @@ static void note_open_phases(run_t *run, const rig_moment_t *now) {
     run->found_open = found;
 }
 
-/// An attempt of a start, as long as another one follows.
+/// A failed start attempt that another one follows.
 static void note_attempt(run_t *run, double t_s) {
     const int retries = (int)lode_drive_retries(run->rig.drive);
     const lode_fault_t *why = &run->rig.drive->guard.fault;
@@ -219,7 +219,7 @@ static void note_changes(run_t *run, const rig_moment_t *now) {
     }
     note_attempt(run, t_s);
     if (now->estimate.reseeded && mode == LODE_MODE_RUN) {
-        runlog_note(run->log, t_s, "estimator acquired anew");
+        runlog_note(run->log, t_s, "estimator reacquired");
     }
     const lode_fault_t *fault = &run->rig.drive->guard.fault;
     if (mode == LODE_MODE_FAULT && !run->faulted) {
@@ -337,7 +337,7 @@ static bool log_row(run_t *run, int phase, const moment_t *now) {
 
 // ---- One period ---------------------------------------------------------------------------------
 
-/// Where a supervisor has the last word, it posts.
+/// If there is a supervisor, it posts the command.
 static void post_command(run_t *run) {
     if (!run->reactions.on) {
         (void)lode_drive_post_command(run->rig.drive, &run->command);
@@ -397,7 +397,7 @@ static void apply_to_plant(run_t *run, const rig_phase_t *phase) {
     }
 }
 
-/// What the firmware believes of its motor changes under way. False after a message.
+/// Changes the motor parameters of the firmware during the run. False after a message.
 static bool retune(run_t *run, const rig_phase_t *phase) {
     if (isnan(phase->Lq_factor) && isnan(phase->Rs_factor)) {
         return true;
@@ -420,7 +420,7 @@ static bool retune(run_t *run, const rig_phase_t *phase) {
     return true;
 }
 
-/// Without a speed the drive stays OFF in RUN, as it should.
+/// With RUN but without a speed, the drive stays OFF as intended.
 static bool asks_for_speed(const run_t *run) {
     return run->command.mode == LODE_MODE_RUN && fabs(run->speed_goal_rpm) > 0.0;
 }
@@ -433,7 +433,7 @@ static void note_asked(run_t *run, const rig_phase_t *phase) {
     }
 }
 
-/// At the end of the last phase that asks for a speed.
+/// At the end of the last phase that commands a speed.
 static void note_attempts(run_t *run) {
     runner_result_t *result = run->result;
     const bool starts = run->mode == LODE_MODE_PRECHARGE || run->mode == LODE_MODE_START;
@@ -466,7 +466,7 @@ static void apply_to_command(run_t *run, const rig_phase_t *phase) {
     post_command(run);
 }
 
-/// NaN is less than any number.
+/// NaN counts as less than any number.
 static double larger(double a, double b) {
     return a >= b || isnan(b) ? a : b;
 }
@@ -511,7 +511,7 @@ static void measure(const run_t *run, runner_phase_t *out, const moment_t *now, 
 }
 
 static void check_bar(runner_phase_t *out, const char *what, double measured, double bar) {
-    // A figure that does not exist has missed its bar too.
+    // A value that does not exist (NaN) also misses its bar.
     if (isnan(bar) || measured <= bar) {
         return;
     }
@@ -563,7 +563,7 @@ static void warn(runner_phase_t *out, const char *format, ...) {
     va_end(arguments);
 }
 
-/// Why a speed is out of reach, as far as that follows from the configuration.
+/// Reason why a speed is out of reach, if the configuration shows it.
 static const char *why_not(const run_t *run, double omega_rad_s) {
     const speed_limits_t *limits = &run->limits;
     const double share = run->v_bus_V / (double)run->config->drive.inverter.v_bus_V;
@@ -573,13 +573,13 @@ static const char *why_not(const run_t *run, double omega_rad_s) {
         return ", above what the bus voltage allows without load";
     }
     if (omega_rad_s > share * limits->base_rad_s) {
-        return ", above the base speed, from which on the voltage limits the torque";
+        return ", above the base speed: the voltage limits the torque";
     }
     return "";
 }
 
-/// A commanded speed that the drive changed, or did not come to. Nothing is expected of a shaft that a
-/// dynamometer holds, of a stop, with torque control, or after a fault.
+/// Warns of a commanded speed that the drive changed or did not reach. No speed is expected of a shaft held by
+/// a dynamometer, at a stop, with torque control, or after a fault.
 static void check_speed(const run_t *run, const rig_phase_t *phase, runner_phase_t *out) {
     const double goal_rpm = run->speed_goal_rpm;
     const double np = (double)run->config->drive.motor.pole_pairs;
@@ -597,7 +597,7 @@ static void check_speed(const run_t *run, const rig_phase_t *phase, runner_phase
     const double trip_rad_s = (double)run->config->drive.guard.omega_max_rad_s;
     if (omega > fmin(trip_rad_s, run->limits.estimator_rad_s)) {
         const bool by_guard = trip_rad_s < run->limits.estimator_rad_s;
-        warn(out, "the drive refuses %g rpm and keeps to the command before: %s %.4g rpm", goal_rpm,
+        warn(out, "the drive refuses %g rpm and keeps the previous command: %s %.4g rpm", goal_rpm,
              by_guard ? "OVER_SPEED trips at" : "the estimator's limit is",
              by_guard ? rig_rpm_from_rad_s(trip_rad_s) / np : most_rpm);
         return;
@@ -613,15 +613,14 @@ static void check_speed(const run_t *run, const rig_phase_t *phase, runner_phase
     }
 }
 
-/// Beyond its map a machine is another one: no result is better than a wrong one.
+/// Beyond its flux map the machine is not known, so the run ends without a result.
 static bool is_in_map(const run_t *run, const plant_truth_t *truth) {
     const plant_map_t *map = run->rig.plant.motor.iron.map;
     if (map == NULL || plant_map_holds(map, truth->id_A, truth->iq_A)) {
         return true;
     }
     rig_error("[plant] flux_map: at %.4g s the currents were i_d = %.4g, i_q = %.4g A; expected a "
-              "map that "
-              "holds them, this one has i_d from %g to %g, i_q from %g to %g A",
+              "map that covers them; this one covers i_d from %g to %g, i_q from %g to %g A",
               truth->t_s, truth->id_A, truth->iq_A, map->id_A[0], map->id_A[map->rows - 1],
               map->iq_A[0], map->iq_A[map->columns - 1]);
     return false;
@@ -696,10 +695,9 @@ static bool check_phases(const rig_config_t *config) {
     const rig_scenario_t *scenario = &config->scenario;
     const char *file = config->file[0];
     if (scenario->phases == 0) {
-        rig_error_at(
-            file, 0,
-            "no [phase.NAME]; expected at least one, with its duration_s. A file with a motor "
-            "alone goes behind --motor");
+        rig_error_at(file, 0,
+                     "no [phase.NAME]; expected at least one, with its duration_s. For a file with "
+                     "only a motor use --motor");
         return false;
     }
     for (int k = 0; k < scenario->phases; ++k) {
@@ -712,7 +710,7 @@ static bool check_phases(const rig_config_t *config) {
     return true;
 }
 
-/// The library comes before the plant: it says what of the motor is wrong in the words of its keys.
+/// The library is asked before the plant, because its refusal names the keys of the motor.
 static bool check_drive(const rig_config_t *config) {
     const lode_status_t status = rig_config_judge(config);
     if (status != LODE_OK) {
@@ -727,9 +725,8 @@ static bool check_adaptation(const rig_config_t *config) {
     for (int k = 0; any && k < config->scenario.phases; ++k) {
         const rig_phase_t *phase = &config->scenario.phase[k];
         if (!isnan(phase->Rs_factor)) {
-            rig_error("[phase.%s] Rs_factor: expected none with [adaptation], which finds Rs by "
-                      "the configured one; a plant.Rs_Ohm other than the motor's is an error that "
-                      "it can find",
+            rig_error("[phase.%s] Rs_factor: expected none with [adaptation], which starts from "
+                      "the configured Rs; for an error that it can find set plant.Rs_Ohm",
                       phase->name);
             return false;
         }
@@ -752,7 +749,7 @@ static bool start_reactions(run_t *run) {
 
 #define COUNTS_PER_TURN 4096.0
 
-/// LODE_OK, or what the library refuses of the angle sensor.
+/// LODE_OK, or why the library refuses the angle sensor.
 static bool start_encoder(run_t *run) {
     const rig_encoder_t *given = &run->config->encoder;
     runner_memory_t *memory = &run->memory;
@@ -762,7 +759,7 @@ static bool start_encoder(run_t *run) {
     memory->counts_per_turn = floor(counts);
     const lode_encoder_config_t config = {
         .counts_per_turn = (uint32_t)counts,
-        // The sensor counts from angle 0, count 0 has its middle half a count further.
+        // The sensor counts from angle 0; the middle of count 0 is half a count further.
         .offset_rad = (float)remainder(
             rig_rad_from_deg(offset_deg) + RIG_PI * np / memory->counts_per_turn, 2.0 * RIG_PI),
         .bandwidth_rad_s = isnan(given->bandwidth_rad_s) ? 0.0f : (float)given->bandwidth_rad_s,
@@ -819,7 +816,7 @@ static bool start(run_t *run) {
     return true;
 }
 
-/// What the drive's log remembers. A fault that was followed by another start, and by no other fault, is over.
+/// Copies the drive's fault log. A fault that was followed by another start and by no other fault is over.
 static void take_log(run_t *run) {
     runner_result_t *result = run->result;
     const lode_fault_log_t *log = &run->reactions.log;
@@ -848,7 +845,7 @@ bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_
     progress_start(&run.progress);
     bool good = true;
     for (int k = 0; good && k < config->scenario.phases; ++k) {
-        // Nothing happens any more after a fault that no phase clears.
+        // After a fault that no phase clears, the run can end.
         if (!run.faulted || run.reactions.on || config->scenario.phase[k].clear_fault == 1) {
             good = run_phase(&run, k);
         }

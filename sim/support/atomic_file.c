@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define TWICE "two outputs of that name"
+#define TWICE "another output of this command has this name"
 
 enum { FILES_MAX = 64, NAME_MAX_LENGTH = 4096 };
 
@@ -21,7 +21,7 @@ typedef struct {
     char temporary[NAME_MAX_LENGTH];
 } output_t;
 
-// One per process, because a signal handler has nothing else to go by.
+// One per process, because a signal handler has no other access to it.
 static output_t outputs[FILES_MAX];
 
 static void end_process(int number) {
@@ -45,7 +45,7 @@ static void watch(int number) {
     struct sigaction action = {.sa_handler = end_process};
     struct sigaction before;
     watched_signals(&action.sa_mask);
-    // What whoever started this process has switched off (nohup) stays off.
+    // Signals that the parent process has switched off (nohup) stay off.
     if (sigaction(number, NULL, &before) == 0 && before.sa_handler != SIG_IGN) {
         (void)sigaction(number, &action, NULL);
     }
@@ -74,13 +74,13 @@ static FILE *refuse(output_t *output, const char *path, const char *why) {
     return NULL;
 }
 
-/// The same of a file that this command needs itself.
+/// The same for a file that this command itself needs.
 static FILE *refuse_own(const char *path, const char *why) {
     rig_error("%s: cannot write: %s; expected a separate file for each output", path, why);
     return NULL;
 }
 
-/// Whether this is the file, so far, of another output.
+/// True if this is the file of another output.
 static bool is_output(const struct stat *about) {
     for (int k = 0; k < FILES_MAX; ++k) {
         struct stat other;
@@ -93,12 +93,11 @@ static bool is_output(const struct stat *about) {
     return false;
 }
 
-/// Why what is there already must not be replaced: this command reads it or writes it already.
-/// NULL if it may be.
+/// Why an existing file must not be replaced: this command reads it or already writes it. NULL if it may be.
 static const char *own_use(const struct stat *about) {
-    // Reading from and writing to a terminal is no harm.
+    // A terminal may be both read and written.
     if (!S_ISCHR(about->st_mode) && inputs_include(about)) {
-        return "it is read here, and would be lost";
+        return "it is an input of this command";
     }
     return is_output(about) ? TWICE : NULL;
 }
@@ -152,14 +151,14 @@ FILE *atomic_file_open(const char *path) {
     const int handle = open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (handle < 0) {
         const int error = errno;
-        output->temporary[0] = '\0'; // it is another's
+        output->temporary[0] = '\0'; // it belongs to another output
         return error == EEXIST ? refuse_own(path, TWICE) : refuse(output, path, strerror(error));
     }
     output->file = fdopen(handle, "w");
     return output->file;
 }
 
-/// False, with a message, where something did not get to the disk.
+/// False after a message if the file was not written completely.
 static bool finish(output_t *output) {
     const bool written = fflush(output->file) == 0 && ferror(output->file) == 0;
     const bool closed = fclose(output->file) == 0;

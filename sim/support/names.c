@@ -12,7 +12,7 @@ static const char *next_of(const char *name) {
     return *end == ',' ? end + 1 : NULL;
 }
 
-/// Whether a name is there, and not once more behind.
+/// True if there is a name that does not occur again later.
 static bool is_good(const char *name) {
     const size_t length = strcspn(name, ",");
     bool good = length > 0u && length < NAMES_LENGTH;
@@ -29,7 +29,7 @@ bool names_take(const char *option, const char *list, bool (*take)(void *user, c
         good = is_good(at);
     }
     if (!good) {
-        rig_error("%s: expected names with commas between them, each of them once", option);
+        rig_error("%s: expected names separated by commas, each name once", option);
     }
     for (const char *at = list; good && at != NULL; at = next_of(at)) {
         char name[NAMES_LENGTH];

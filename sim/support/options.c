@@ -27,9 +27,9 @@ enum { CASES_MAX = 10000000 }; // per motor
 
 typedef struct {
     const char *name;
-    int argument; ///< of getopt_long
+    int argument; ///< argument type of getopt_long
     int letter;   ///< what getopt_long returns
-    int commands; ///< those that take it
+    int commands; ///< the commands that accept it
     const char *example;
     const char *help;
 } option_t;
@@ -38,12 +38,12 @@ static const option_t table[] = {
     {"motor", required_argument, 'm', RUN | REPLAY | DESIGN | ANALYSE | COMMISSION, "F.ini",
      "motor, and anything else it sets; a file, or a name from `lodestar list`"},
     {"drive", required_argument, 'd', RUN | REPLAY | DESIGN | ANALYSE | COMMISSION, "F.ini",
-     "drive; overrides the motor's file; a file or a name too"},
+     "drive, overrides the motor's file; a file, or a name from `lodestar list`"},
     {"recording", required_argument, 'r', REPLAY, "F.csv", "recorded signals (columns: see above)"},
     {"column", required_argument, 'l', REPLAY, "NAME=COLUMN",
      "the column that holds NAME: i_alpha=Ialpha, i_alpha=Ialpha:mA, t=#1; repeatable"},
     {"separator", required_argument, 'b', REPLAY, "NAME",
-     "auto, comma, semicolon, tab or blank; a decimal comma with all but the comma"},
+     "auto, comma, semicolon, tab or blank; with all but comma, decimal commas are read"},
     {"header", required_argument, 'H', REPLAY, "LINE", "line with the column names, or none"},
     {"data", required_argument, 'D', REPLAY, "LINE", "line of the first row"},
     {"resample", no_argument, 'q', REPLAY, "",
@@ -54,37 +54,37 @@ static const option_t table[] = {
      "overrides the files; repeatable"},
     {"motors", required_argument, 'M', MONTE_CARLO, "A,B,...",
      "names of motors that have a drive of the same name, or files with [motor] and\n"
-     "                             [drive]; all of the catalogue"},
+     "                             [drive]; default: the catalogue"},
     {"errors", required_argument, 'X', MONTE_CARLO, "KIND",
-     "of the drive's parameters: narrow, wide (twice that), start, or commissioned:\n"
-     "                             narrow, then measured by the drive; `start` for starts,\n"
-     "                             `narrow` for all else"},
-    {"n", required_argument, 'a', MONTE_CARLO, "N", "seeds per motor; 200"},
-    {"seed", required_argument, 'n', MONTE_CARLO, "S", "the first seed; 1"},
+     "errors of the drive's parameters: narrow, wide (twice narrow), start, or\n"
+     "                             commissioned (narrow, then measured by the drive);\n"
+     "                             default: start for the test `start`, else narrow"},
+    {"n", required_argument, 'a', MONTE_CARLO, "N", "seeds per motor; default: 200"},
+    {"seed", required_argument, 'n', MONTE_CARLO, "S", "first seed; default: 1"},
     {"shard", required_argument, 'P', MONTE_CARLO, "K/N",
      "every N-th case from the K-th on, for K = 1 .. N; `merge` joins the JSON of all N"},
-    {"kinds", required_argument, 'K', FAULTS, "A,B,...", "of fault; all of them"},
+    {"kinds", required_argument, 'K', FAULTS, "A,B,...", "kinds of fault; default: all"},
     {"motors", required_argument, 'M', FAULTS, "A,B,...",
      "names of motors that have a drive of the same name, or files with [motor] and\n"
-     "                             [drive]; jiang2022,eldeeb2017"},
+     "                             [drive]; default: jiang2022,eldeeb2017"},
     {"seed", required_argument, 'n', MAIN_JOB | RUN | FAULTS | COMMISSION, "S",
-     "seed of the noise and of all else that is random"},
+     "seed of the noise and of every other random value"},
     {"seeds", required_argument, 'N', RUN, "A-B", "a campaign: one line per seed, success rate"},
     {"seeds", required_argument, 'N', REPRODUCE, "A-B",
      "seeds of noise and angle over which claims are judged; default: 1-5"},
     {"jobs", required_argument, 'w', RUN | MONTE_CARLO | FAULTS | REPRODUCE, "N",
      "number of parallel processes; default: one per processor"},
-    {"out", required_argument, 'o', FAULTS, "F.md", "a page with the tables"},
+    {"out", required_argument, 'o', FAULTS, "F.md", "the tables as a Markdown page"},
     {"out", required_argument, 'o', COMMISSION, "F.ini",
-     "what was found, and the rest of motor and drive: for `design --motor F.ini`"},
+     "motor and drive with the measured values, for `design --motor F.ini`"},
     {"out", required_argument, 'o', REPLAY, "F.csv", "one row of estimates per recorded row"},
     {"csv", required_argument, 'c', MAIN_JOB | RUN, "F.csv", "signals over time"},
     {"ring", required_argument, 'R', RUN, "F.bin", "octets that the telemetry ring would send"},
     {"scope", required_argument, 'S', RUN, "F.bin", "dump of a scope's buffer"},
-    {"channels", required_argument, 'C', RUN, "A,B,...", "of ring and scope"},
-    {"every", required_argument, 'E', RUN, "N", "periods per row of ring and scope; default 1"},
+    {"channels", required_argument, 'C', RUN, "A,B,...", "channels of ring and scope"},
+    {"every", required_argument, 'E', RUN, "N", "periods per row of ring and scope; default: 1"},
     {"trigger", required_argument, 'T', RUN, "WHEN",
-     "of the scope: fault, immediate, 'CHANNEL>LEVEL' or '<'"},
+     "trigger of the scope: fault, immediate, 'CHANNEL>LEVEL' or 'CHANNEL<LEVEL'"},
     {"kind", required_argument, 'k', DECODE, "KIND", "auto, ring or scope"},
     {"csv", required_argument, 'c', DECODE, "F.csv", "one line per row"},
     {"csv", required_argument, 'c', ANALYSE, "F.csv", "the curves of all figures"},
@@ -100,13 +100,13 @@ static const option_t table[] = {
      "the tuning as a constant in C, named like the file, for the firmware's flash;\n"
      "                             needs a drive with i_range_A and v_range_V"},
     {"c", required_argument, 'x', COMMISSION, "F.c",
-     "the tuning of what was found as a constant in C, as of `design --c`"},
+     "the tuning for the measured values as a constant in C, as with `design --c`"},
     {"plot", required_argument, 'g', MAIN_JOB | RUN | REPLAY | DECODE, "F.svg",
      "a picture (needs gnuplot); F.png, or F.html: a page with the table"},
     {"plots", required_argument, 'G', ANALYSE | REPRODUCE, "FOLDER",
      "one picture per figure (needs gnuplot)"},
     {"format", required_argument, 'f', ANALYSE | REPRODUCE, "KIND",
-     "of these: svg, png or html (a page with the table)"},
+     "format of the pictures: svg, png or html (a page with the table)"},
     {"help", no_argument, 'h', ALL, "", "this text"},
 };
 enum { TABLE_ROWS = sizeof table / sizeof table[0] };
@@ -124,9 +124,9 @@ static const command_t commands[] = {
      "Lists what comes with the tool: motors, drives, plants, scenarios, estimators."},
     {"run", COMMAND_RUN, RUN, "lodestar run SCENARIO.ini | --motor F.ini [OPTION...]",
      "Runs the drive against the simulated motor through the phases of a scenario.\n"
-     "SCENARIO.ini is a file, or the name of a scenario that `lodestar list` shows. With a motor "
-     "in its\n"
-     "place: start, half and full speed, a load and a stop, as fast as suits this motor."},
+     "SCENARIO.ini is a file, or the name of a scenario that `lodestar list` shows. With --motor "
+     "the\n"
+     "tool makes a scenario that suits the motor: start, half and full speed, a load and a stop."},
     {"replay", COMMAND_REPLAY, REPLAY,
      "lodestar replay --motor F.ini --recording F.csv [OPTION...]",
      "Runs the firmware's estimator over recorded voltages and currents.\n"
@@ -134,63 +134,67 @@ static const command_t commands[] = {
      "omega_e_rad_s (electrical) or speed_rpm (mechanical). Phases u_a_V u_b_V u_c_V, i_a_A i_b_A\n"
      "i_c_A may replace alpha and beta. Units: s ms us ns, V mV kV, A mA kA, rad deg "
      "turn,\n"
-     "rad_s rpm Hz, in the name as in i_alpha_mA, or in --column i_alpha=Ialpha:mA; a number there "
-     "is\n"
-     "a factor. Row k holds the currents AT t_k and the mean voltage over [t_k, t_k+1).\n"
-     "What `run --csv` and `decode --csv` write goes in as it is, with a row per period."},
+     "rad_s rpm Hz, in the name as in i_alpha_mA, or in --column i_alpha=Ialpha:mA; a number in "
+     "place of\n"
+     "the unit is a factor. Row k holds the currents AT t_k and the mean voltage over [t_k, "
+     "t_k+1).\n"
+     "Files from `run --csv` and `decode --csv` need no change if they have one row per period."},
     {"design", COMMAND_DESIGN, DESIGN, "lodestar design --motor F.ini [OPTION...]",
      "Prints every value that follows from a motor and a drive.\n"
      "Gains, bandwidths and limits, the stability of the PLL, the lag of the observer, and the "
      "limit\n"
-     "at low speed. What the drive leaves out is assumed, and marked so. Lines at the end say "
+     "at low speed. Values that are not given are assumed and marked so. The lines at the end say "
      "what\n"
-     "to change, and which figures are implausible: most often a wrong unit."},
+     "to change, and which values are implausible, most often because of a wrong unit."},
     {"analyse", COMMAND_ANALYSE, ANALYSE, "lodestar analyse [OPTION...]",
      "Compares the papers' Bode diagrams, poles and margins with those of the firmware.\n"
      "Then the loops of your drive: observer, PLL, current, speed. Without a motor and a drive,\n"
      "those of paper 1; a motor alone uses its own drive, or one that is assumed."},
     {"reproduce", COMMAND_REPRODUCE, REPRODUCE, "lodestar reproduce PAPER [OPTION...]",
      "Repeats every experiment of a paper and compares its claims with the results.\n"
-     "Once with the estimators as printed, once with the library's and its gains. PAPER is "
-     "jiang2022\n"
-     "(paper 1) or li-fa-leso (paper 2, six phases). Either takes about a minute at most."},
+     "Once with the estimators as printed, once with those of the library and its gains. PAPER is\n"
+     "jiang2022 (paper 1) or li-fa-leso (paper 2, six phases). Each takes at most about a minute."},
     {"decode", COMMAND_DECODE, DECODE, "lodestar decode FILE [OPTION...]",
      "Reads what the library's telemetry ring or scope has recorded, sent or dumped.\n"
-     "FILE holds octets of lode_ring_drain() or lode_scope_drain(), or a debugger's dump of "
-     "either's\n"
-     "buffer. Which it is, and the order of its octets, is recognised from its first words."},
+     "FILE holds the octets of lode_ring_drain() or lode_scope_drain(), or a debugger's dump of a\n"
+     "ring's or scope's buffer. Kind and byte order are recognised from the first words."},
     {"faults", COMMAND_FAULTS, FAULTS, "lodestar faults [OPTION...]",
      "Breaks sensors, switches, interrupts, motor and memory, and shows how the drive responds.\n"
-     "Each kind of fault at standstill, in the start, at 10, 50 and 100 % speed and with a "
-     "weakened\n"
-     "field: by which check it is found and when, the largest current, and how far the rotor "
-     "turns\n"
-     "back. Exit code 0 where nothing is silent: no fault although something is wrong."},
+     "Tries each kind of fault at standstill, during the start, at 10, 50 and 100 % speed and with "
+     "a\n"
+     "weakened field. Prints which check finds it and when, the largest current, and how far the "
+     "rotor\n"
+     "turns back. Exit code 0: no case is silent (something is wrong, but no fault is reported)."},
     {"commission", COMMAND_COMMISSION, COMMISSION,
      "lodestar commission [SCENARIO.ini | --motor F.ini] [OPTION...]",
      "Lets the drive measure the simulated motor and inverter by itself, as it does on a board.\n"
      "Sensors, resistance, dead-time voltage, inductances, flux, inertia and friction, each with "
      "a\n"
-     "confidence. [motor] and [drive] are what is known before, [plant] is the truth. Exit code 0 "
-     "where\n"
-     "all was found. The shaft must be free. Without a scenario or a motor: the main job's."},
+     "confidence. [motor] and [drive] are known to the drive before, [plant] is the truth. The "
+     "shaft\n"
+     "must be free. Exit code 0: everything was measured. Without a scenario or a motor: those of "
+     "the\n"
+     "main job."},
     {"monte-carlo", COMMAND_MONTE_CARLO, MONTE_CARLO,
      "lodestar monte-carlo start|run|fly|quiet|open-phase [OPTION...]\n"
      "       lodestar monte-carlo merge F.json... [--json F.json]",
      "Runs many motors with wrong parameters in their drives, and counts failures by cause.\n"
-     "start: from rest at any angle under a load. run: then load steps, changes of speed and "
-     "reversals.\n"
-     "fly: a rotor that turns already, at 21 speeds. quiet: no false trips.\n"
-     "open-phase: dead switches and broken wires under load, found within 50 ms or 1.2 electrical "
-     "turns.\n"
-     "Each case depends on motor, seed and errors alone: every failure is printed with the command "
+     "start: starts from rest at any angle under a load. run: a start, then load steps, changes of "
+     "speed\n"
+     "and reversals. fly: starts of a rotor that already turns, at 21 speeds. quiet: steady "
+     "operation\n"
+     "without false trips. open-phase: dead switches and broken wires under load, found within 50 "
+     "ms or\n"
+     "1.2 electrical turns. merge: joins the parts of one campaign.\n"
+     "A case depends only on motor, seed and errors; every failure is printed with the command "
      "that\n"
-     "runs it again. merge: the parts of one campaign, as if it had been one run.\n"
-     "Exit code 0: of each motor 97 % passed, of all together 99 %, or 99.9 % with commissioned "
-     "errors;\n"
-     "start, run, fly and open-phase alike. With wide errors instead 95 % of all, and every "
-     "failure a\n"
-     "fault. quiet: no false trip, and nothing else."},
+     "repeats it.\n"
+     "Exit code 0 for start, run, fly and open-phase: 97 % of the cases of each motor passed, and "
+     "of "
+     "all\n"
+     "cases 99 %, or 99.9 % with commissioned errors. With wide errors: 95 % of all cases, and "
+     "every\n"
+     "failure ended in a fault. For quiet: no false trip."},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
@@ -223,7 +227,7 @@ static void print_tool_help(void) {
     print_options(MAIN_JOB);
     (void)puts("  --version                  version of library and tool\n\n"
                "More: `lodestar COMMAND --help`. Exit code: 0 done, 1 the drive faulted,\n"
-               "missed a bar or never ran, or what is decoded is damaged, 2 bad input.");
+               "missed a bar or never ran, or the decoded file is damaged, 2 bad input.");
 }
 
 static const command_t *find_command(const char *name) {
@@ -427,7 +431,7 @@ static bool refuse_option(const command_t *command, int answer, const char *give
     char known[400];
     list_options(command->mask, known, sizeof known);
     if (answer == ':') {
-        rig_error("%s: expected a value after it", given);
+        rig_error("%s: missing value; expected one after the option", given);
     } else {
         rig_error("%s: unknown here; expected one of %s", given, known[0] != '\0' ? known : "none");
     }
@@ -483,11 +487,11 @@ static bool needs(const char *command, const char *what, const char *value) {
     return value != NULL;
 }
 
-/// An option that says how another one is done has no effect without that.
+/// An option that only modifies another one is refused without that one.
 static bool check_beside(const char *option, const char *value, const char *beside, bool there) {
     const bool good = value == NULL || there;
     if (!good) {
-        rig_error("--%s: expected with %s only", option, beside);
+        rig_error("--%s: expected only with %s", option, beside);
     }
     return good;
 }
@@ -573,7 +577,7 @@ static bool check(const options_t *options) {
             return false;
         }
         if (options->jobs > 0u && !options->has_campaign) {
-            rig_error("--jobs: expected with --seeds only");
+            rig_error("--jobs: expected only with --seeds");
             return false;
         }
         return check_run(options);
@@ -623,7 +627,7 @@ static bool take_operands(options_t *options, const command_t *command, int argc
     }
     if (next < argc) {
         const bool is_json = options->json_on_stdout;
-        rig_error("%s: expected nothing there%s%s", argv[next], is_json ? ", or --json=" : "",
+        rig_error("%s: expected no argument here%s%s", argv[next], is_json ? ", or --json=" : "",
                   is_json ? argv[next] : "");
         return false;
     }

@@ -18,7 +18,7 @@ bool outputs_open(FILE **file, const char *path) {
 
 bool outputs_folder(const char *path) {
     if (mkdir(path, 0777) != 0 && errno != EEXIST) {
-        rig_error("%s: %s; expected to be able to make this folder", path, strerror(errno));
+        rig_error("%s: %s; expected a folder that can be created", path, strerror(errno));
         return false;
     }
     return true;

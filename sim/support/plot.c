@@ -52,7 +52,7 @@ bool plot_available(void) {
         (void)close(nothing);
     }
     if (good && !wait_for(process)) {
-        rig_error("gnuplot --version failed; expected a gnuplot that works, for the plot");
+        rig_error("gnuplot --version failed; expected a working gnuplot for the plot");
         good = false;
     }
     return good;
@@ -71,7 +71,7 @@ static bool format_of(const char *path, plot_format_t *format) {
             return true;
         }
     }
-    rig_error("%s: a picture of this kind is not drawn; expected a name ending in .svg, .png or "
+    rig_error("%s: unknown picture format; expected a name ending in .svg, .png or "
               ".html",
               path);
     return false;
@@ -89,7 +89,7 @@ void plot_path_in(char *path, size_t size, const char *folder, const char *file,
 }
 
 static void set_terminal(FILE *script, plot_format_t format, int width, int height) {
-    if (format == PLOT_PNG) { // drawn at twice the size, for screens of today and for print
+    if (format == PLOT_PNG) { // drawn at twice the size, for high-resolution screens and print
         (void)fprintf(script,
                       "set terminal pngcairo size %d,%d enhanced background '#ffffff' "
                       "font 'DejaVu Sans,9.75' fontscale 2 pointscale 2 dashlength 2 lw 2\n",
@@ -188,7 +188,7 @@ void plot_panel(FILE *script, const char *label) {
         plot_text(string, label));
 }
 
-/// Where it has no room gnuplot draws a part, says nothing and ends as if all were well.
+/// Without disk space gnuplot draws only a part and still reports success.
 static bool is_whole(FILE *drawn, plot_format_t format) {
     static const char png_end[] = {'I', 'E', 'N', 'D', '\xae', 'B', '`', '\x82'};
     char end[16 + 1] = "";
@@ -200,7 +200,7 @@ static bool is_whole(FILE *drawn, plot_format_t format) {
                               : strstr(end, "</svg>") != NULL;
 }
 
-/// What does not get into `file` is told when that is committed.
+/// An error of writing `file` is reported when it is committed.
 static void copy_picture(FILE *file, FILE *drawn) {
     char piece[4096];
     size_t length = 0;
@@ -220,8 +220,8 @@ bool plot_finish(plot_t *self) {
     if (!sent || !drawn) {
         rig_error("gnuplot failed; expected it to draw the plot (its message is above)");
     } else if (!whole) {
-        rig_error("gnuplot drew a part of the plot; expected room for all of it where temporary "
-                  "files are kept");
+        rig_error("gnuplot drew only a part of the plot; expected more space in the folder of "
+                  "temporary files");
     } else if (output->format == PLOT_HTML) {
         page_write(output->file, self->title, self->drawn, output->text);
     } else {

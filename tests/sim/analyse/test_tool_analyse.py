@@ -385,7 +385,7 @@ def other_drives(checks, folder):
     refused(checks, folder, ["analyse", "--set", "estimator.sigma_rad_s=5000"], "LODE_ERROR_PLL_SIGMA")
     refused(checks, folder, ["analyse", "--csv", "no/such/a.csv"], "cannot write")
     if shutil.which("gnuplot"):
-        refused(checks, folder, ["analyse", "--plots", "no/such"], "expected to be able to make")
+        refused(checks, folder, ["analyse", "--plots", "no/such"], "expected a folder that can be created")
     refused(checks, folder, ["analyse", "--scenario", "x"], "unknown here; expected one of")
 
 

@@ -107,26 +107,26 @@ def files_and_refusals(checks, folder):
     held = folder.run("commission", "--set", "plant.load_kind=passive", "--set", "plant.stiction_Nm=1000",
                       "--out", "none.ini", "--c", "none.c", "--json", "none.json")
     checks.equal(held.returncode, 1, "a shaft that is held")
-    checks.true(re.search(r"NO_START after \S+ s: LODE_CHECK_START, measured \S+, limit \S+ \(EMF in V, stage TURN\), while looking for psi_Wb\n",
+    checks.true(re.search(r"NO_START after \S+ s: LODE_CHECK_START, measured \S+, limit \S+ \(EMF in V, stage TURN\), while measuring psi_Wb\n",
                           held.stdout), held.stdout[-300:])
     checks.equal(folder.names(), before, "nothing is written of what is not whole")
     held = folder.run("commission", "--set", "plant.fan_Nm=20", "--set", "plant.fan_rpm=1500", "--c", "none.c")
     checks.equal(held.returncode, 1, "a fan that takes more torque than there is")
-    checks.true(re.search(r"NO_START after \S+ s: it turns with \S+ rad/s, not with \S+, by \S+ Nm, while looking for psi_Wb\n",
+    checks.true(re.search(r"NO_START after \S+ s: the rotor reached \S+ rad/s instead of \S+ with \S+ Nm, while measuring psi_Wb\n",
                           held.stdout), held.stdout[-300:])
     checks.equal(folder.names(), before, "nor of the tuning alone")
     half = [part for x in "abc" for part in ("--set", f"plant.i_gain_error_{x}=-0.5")]
     wrong = folder.run("commission", "--motor", "servo_48V", "--drive", "servo_48V", *half)
     checks.equal(wrong.returncode, 1, "currents that are read by half")
-    checks.true(re.search(r"UNSURE after \S+ s: signals: confidence \S+, needed 0.50: .*, Lq 2 times as large: is it the gain",
+    checks.true(re.search(r"UNSURE after \S+ s: signals: confidence \S+, at least 0.50 needed: .*, Lq by a factor of 2; check the gain",
                           wrong.stdout), wrong.stdout[-300:])
     bare = folder.write("bare.ini", (DATA / "motors" / "jiang2022.ini").read_text())
     for arguments, pattern in [
         (["--motor", bare, "--c", "x.c"], r"\[drive\] i_range_A: missing"),  # not assumed for firmware
         (["--c", "2.c"], r"--c 2.c: expected a file whose name"),
-        (["--motor", bare, "--drive", "jiang2022", "--out", bare], r"it is read here"),
-        (["--motor", bare, "--drive", "jiang2022", "--c", bare], r"it is read here"),
-        (["--out", "same.c", "--c", "same.c"], r"two outputs of that name"),
+        (["--motor", bare, "--drive", "jiang2022", "--out", bare], r"it is an input of this command"),
+        (["--motor", bare, "--drive", "jiang2022", "--c", bare], r"it is an input of this command"),
+        (["--out", "same.c", "--c", "same.c"], r"another output of this command has this name"),
         (["--motor", "eldeeb2017", "--drive", "eldeeb2017", "--c", "six.c"], r"--c six.c: expected a drive for three phases"),
     ]:
         refused(checks, folder, ["commission", *arguments], pattern)

@@ -31,7 +31,7 @@ def finds(checks, folder):
     for point in running:
         checks.true(cases["rotor-jammed", point]["found"] != "NONE", f"jammed at {point}")
         checks.at_most(cases["rotor-jammed", point]["found_s"], 0.1, f"jammed at {point}")
-    checks.true("| the rotor stands | START " in done.stdout, "the table")
+    checks.true("| the rotor is jammed | START " in done.stdout, "the table")
 
 
 def tries_bridge_and_sensors_before_a_start(checks, folder):
@@ -110,7 +110,7 @@ def leaves_out_where_the_speed_does_not_settle(checks, folder):
     checks.true("10 %" not in points and {"standstill", "start", "100 %"} <= points, f"{points}")
     checks.equal(len(cases), 2 * len(points), "cases")
     checks.true(f"{len(cases)} cases: " in done.stdout and " - |" in done.stdout, f"the table: {done.stdout}")
-    checks.true("-: left out, the speed does not settle there" in done.stdout, "its note")
+    checks.true("-: left out, because the speed does not settle there" in done.stdout, "its note")
     refused(checks, folder, ["faults", "--motors", "jiang2022", "--set", "start.timeout_s=0.2"],
             "expected a drive that reaches the state")
 
@@ -146,19 +146,19 @@ def takes_a_file_with_motor_and_drive(checks, folder):
 
 
 def refuses(checks, folder):
-    for arguments, says in [(["--kinds", "none,nonsense"], "--kinds nonsense: expected one of none, adc-frozen"),
-                            *((["--kinds", names], "--kinds: expected names with commas between them, each of them once")
+    for arguments, says in [(["--kinds", "none,nonsense"], "--kinds nonsense: unknown; expected one or more of none, adc-frozen"),
+                            *((["--kinds", names], "--kinds: expected names separated by commas, each name once")
                               for names in ("", ",", "none,", ",none", "none,,bus-reads-0", "none,none")),
-                            *((["--motors", names], "--motors: expected names with commas between them, each of them once")
+                            *((["--motors", names], "--motors: expected names separated by commas, each name once")
                               for names in ("", "jiang2022,", "jiang2022,jiang2022")),
-                            (["--motors", "m" * 256], "--motors: expected names with commas"),
+                            (["--motors", "m" * 256], "--motors: expected names separated by commas"),
                             *((["--motors", name], f"--motors {name}: not found; expected the name of a motor that has a drive of "
                                "the same name .*, or an INI file with .motor. and .drive.") for name in ("nobody", "nobody.ini")),
-                            *(([option, names], f"{option}: expected names with commas between them")
+                            *(([option, names], f"{option}: expected names separated by commas")
                               for option, name in (("--motors", "jiang2022"), ("--kinds", "none"))
                               for names in ("", ",", f"{name},", f",{name}", f"{name},,{name}")),
                             (["--jobs", "0"], "--jobs 0: expected"),
-                            (["more"], "more: expected nothing there")]:
+                            (["more"], "more: expected no argument here")]:
         refused(checks, folder, ["faults", *arguments, "--json", "no.json"], says)
 
 

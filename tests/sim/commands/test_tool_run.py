@@ -123,7 +123,7 @@ def failed_start(checks, folder):
     for words in (r"attempt 1 failed: EMF in V, stage TURN, measured \S+, limit \S+\n",
                   r"attempt 2 failed: EMF in V, stage TURN,",
                   r"FAULT at \S+ s in START: LODE_CHECK_START, measured \S+, limit \S+ \(EMF in V, stage TURN\)\n",
-                  r"attempts of the start that had failed before: 2\n"):
+                  r"start attempts that had failed before: 2\n"):
         checks.true(re.search(words, done.stdout), f"{words}: {done.stdout}")
     done = folder.run("decode", "jam.bin", "--csv", "jam.csv")
     for words in (r"start_stage +name +NONE, CATCH, HALF, FULL, \w+, \w+; last NONE\n",
@@ -163,7 +163,7 @@ def warnings(checks, folder):
     checks.equal(said["slow"], "50 rpm is below the least speed and was raised to 150 rpm", "slow")
     checks.true(said["fast"].startswith("2600 rpm not reached: 2"), f"fast: {said['fast']}")
     checks.true("above what the bus voltage allows without load" in said["fast"], said["fast"])
-    checks.equal(said["refused"], "the drive refuses -5000 rpm and keeps to the command before: the estimator's "
+    checks.equal(said["refused"], "the drive refuses -5000 rpm and keeps the previous command: the estimator's "
                  "limit is 3750 rpm", "refused")
     for name in ["up", "held", "back", "stop"]:
         checks.equal(said[name], "", f"no warning in {name}")
@@ -172,8 +172,8 @@ def warnings(checks, folder):
     checks.true("\ndone, no bars set: " in done.stdout and "passed" not in done.stdout, "no bars")
     checks.equal(result["bars_set"], False, "no bars in JSON")
     folder.run("run", "w.ini", "--json", "g.json", "--set", "guard.omega_max_rad_s=900")  # of 3 pole pairs
-    checks.equal(folder.json("g.json")["phases"][5]["warning"], "the drive refuses -5000 rpm and keeps to the command "
-                 "before: OVER_SPEED trips at 2865 rpm", "refused by the guard's limit")
+    checks.equal(folder.json("g.json")["phases"][5]["warning"], "the drive refuses -5000 rpm and keeps the previous command: "
+                 "OVER_SPEED trips at 2865 rpm", "refused by the guard's limit")
     done = folder.run("run", "w.ini", "--json", "w.json", "--set", "phase.up.bar_speed_rpm=5")
     checks.true("\npassed: " in done.stdout, "a bar is set and met")
     checks.equal(folder.json("w.json")["bars_set"], True, "a bar in JSON")
@@ -209,13 +209,13 @@ def never_ran(checks, folder):
     done = folder.run("run", "--motor", "pmsyrm_5kW", "--drive", "pmsyrm_5kW", *told, *true, "--json", "n.json")
     result = folder.json("n.json")
     checks.equal([done.returncode, result["passed"], result["never_ran"], result["starts_yet"]], [1, False, False, True], done.stdout)
-    words = f"\nRUN was lost and did not come back: {result['retries']} attempts to start failed\n\nFAILED: "
+    words = f"\nRUN was lost and not reached again: {result['retries']} start attempts failed\n\nFAILED: "
     checks.true(words in done.stdout, done.stdout)
     folder.write("n.ini", begin + short + "speed_rpm = 300\n")
     done = folder.run("run", "n.ini", "--seeds", "1-2")
     checks.equal(done.returncode, 1, "exit code of a campaign")
     checks.equal(done.stdout.count(", RUN was never reached\n"), 2, f"its verdicts: {done.stdout}")
-    checks.true("\n0 of 2 passed (no bars set: in RUN where that was commanded, and without a fault)\n" in done.stdout, done.stdout)
+    checks.true("\n0 of 2 passed (no bars set: passed means no fault, and in RUN where commanded)\n" in done.stdout, done.stdout)
     # Noise in which no start comes to its end.
     noisy = folder.run("run", "--motor", "traction_400V", "--drive", "traction_400V", "--set", "plant.i_noise_A=12", "--seeds", "1-4")
     checks.true("\n0 of 4 passed " in noisy.stdout, f"a motor that cannot start: {noisy.stdout}")
@@ -252,7 +252,7 @@ def loads(checks, folder):
     for key, missing in (("backlash_deg", "load_J_kgm2 and shaft_Nm_rad"), ("shaft_Nm_rad", "load_J_kgm2"),
                          ("shaft_Nms_rad", "load_J_kgm2 and shaft_Nm_rad")):
         refused(checks, folder, ["run", "main", "--set", f"plant.{key}=5"],
-                rf"--set: \[plant\] {key} = 5: is between two masses; expected {missing} as well")
+                rf"--set: \[plant\] {key} = 5: needs a second mass; expected {missing} as well")
     for sets in (["backlash_deg=0"], ["backlash_deg=5", "shaft_Nm_rad=100", "load_J_kgm2=0"],
                  ["backlash_deg=0.1", "shaft_Nm_rad=1000", "shaft_Nms_rad=1", "load_J_kgm2=0.005"]):
         done = folder.run("run", "steady_ideal", *[x for s in sets for x in ("--set", f"plant.{s}")])

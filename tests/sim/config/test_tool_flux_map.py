@@ -49,8 +49,8 @@ def bad(checks, folder):
         (["i_d,i_q,psi_d"] + good[1:], r"map.csv:1: no column psi_q; expected a header"),
         ([HEAD], r"map.csv: no rows; expected one for each node"),
         (good + ["3,x,0,0"], r"map.csv:47: i_q = x: expected a number"),
-        (good + ["3,3,0"], r"map.csv:47: 3 columns; expected those of the header"),
-        (good + ["3,3,0,0"], r"map.csv:47: i_d = 3, i_q = 3 stands in line 28 too"),
+        (good + ["3,3,0"], r"map.csv:47: 3 columns; expected as many as in the header"),
+        (good + ["3,3,0,0"], r"map.csv:47: i_d = 3, i_q = 3 is in line 28 too"),
         (lost, r"map.csv: no row with i_d = 3, i_q = -6; expected each of 9 i_d with each of 9 i_q"),
         (grid(d_from=3), r"map.csv: i_d from 3 to 12 A; expected a grid around zero"),
         (grid(d_from=6), r"map.csv: 3 values of i_d; expected a grid with 4"),
@@ -67,7 +67,7 @@ def bad(checks, folder):
     small += [f"{d},{q},{0.142 + 3.5e-3 * d},{9.8e-3 * q}" for d in (-3, 0, 3) for q in (1,)]
     small += [f"1,{q},{0.142 + 3.5e-3},{9.8e-3 * q}" for q in (0, 1, 3)]
     refused(checks, folder, ["run", scenario(folder, small)],
-            r"flux_map: at .* s the currents were .*expected a map that holds them")
+            r"flux_map: at .* s the currents were .*expected a map that covers them")
 
 
 def main():

@@ -101,21 +101,21 @@ def data_sheets(checks, folder):
 def conflicts(checks, folder):
     base = SMALL.split("[drive]")[0]
     for more, pattern in [
-        ("KV_rpm_V = 270\n", r"m.ini:8: \[motor\] KV_rpm_V: says the same as psi_Wb in m.ini:6; "),
-        ("L_uH = 30\n", r"m.ini:8: \[motor\] L_uH: says the same as Ld_H in m.ini:4; expected one"),
-        ("poles = 14\n", r"m.ini:8: \[motor\] poles: says the same as pole_pairs in m.ini:2; "),
+        ("KV_rpm_V = 270\n", r"m.ini:8: \[motor\] KV_rpm_V: sets the same quantity as psi_Wb in m.ini:6; "),
+        ("L_uH = 30\n", r"m.ini:8: \[motor\] L_uH: sets the same quantity as Ld_H in m.ini:4; expected one"),
+        ("poles = 14\n", r"m.ini:8: \[motor\] poles: sets the same quantity as pole_pairs in m.ini:2; "),
     ]:
         folder.write("m.ini", base + more)
         refused(checks, folder, ["design", "--motor", "m.ini"], pattern)
     folder.write("m.ini", base.replace("psi_Wb = 0.003", "ke_V_Hz = 1") + "kt_Nm_A = 1\n")
     refused(checks, folder, ["design", "--motor", "m.ini"],
-            r"m.ini:8: \[motor\] kt_Nm_A: says the same as ke_V_Hz in m.ini:6; expected one of them")
+            r"m.ini:8: \[motor\] kt_Nm_A: sets the same quantity as ke_V_Hz in m.ini:6; expected one of them")
     folder.write("m.ini", base)
     refused(checks, folder, ["design", "--motor", "m.ini", "--set", "motor.Rs_mOhm=50", "--set", "motor.Rs_Ohm=0.05"],
-            r"--set: \[motor\] Rs_mOhm: says the same as Rs_Ohm in --set; expected one of them")
+            r"--set: \[motor\] Rs_mOhm: sets the same quantity as Rs_Ohm in --set; expected one of them")
     folder.write("m.ini", base.replace("Rs_Ohm = 0.05", "R_winding_Ohm = 0.1"))
     refused(checks, folder, ["design", "--motor", "m.ini"],
-            r"m.ini:3: \[motor\] R_winding_Ohm: expected winding = star or winding = delta beside it")
+            r"m.ini:3: \[motor\] R_winding_Ohm: expected winding = star or winding = delta as well")
     folder.write("m.ini", base.replace("J_kgm2 = 3e-5", ""))
     refused(checks, folder, ["design", "--motor", "m.ini"], r"J_kgm2: missing.*J_gcm2")
 
@@ -226,7 +226,7 @@ def first_turn(checks, folder):
     refused(checks, folder, ["run"], "run: expected a scenario file, or --motor F.ini")
     folder.write("both.ini", (folder.path / "sheet.ini").read_text()
                  + "[drive]\nf_pwm_Hz = 20000\nv_bus_V = 12\ni_max_A = 10\n")
-    refused(checks, folder, ["run", "both.ini"], "A file with a motor alone goes behind --motor")
+    refused(checks, folder, ["run", "both.ini"], "For a file with only a motor use --motor")
 
 
 def later_sources_win(checks, folder):
@@ -339,8 +339,8 @@ def trial_load(checks, folder):
         span = config["speed"].get("gain_rise")
         step = min(step_as_k18(config, rpm, 1.0 if not isinstance(span, float) else span), most / (1 + math.exp(-2)))
         checks.at_most(abs(load / min(0.5 * most, step) - 1), 1e-3, f"{motor}: load {load} Nm, step {step} Nm")
-        words = (f": the most that may come at once at {rpm:.0f} rpm" if load < 0.499 * most
-                 else f"; {step:.3g} Nm may come at once at {rpm:.0f} rpm")
+        words = (f": the largest load step at {rpm:.0f} rpm" if load < 0.499 * most
+                 else f"; the largest load step is {step:.3g} Nm at {rpm:.0f} rpm")
         checks.equal(said, f"load of the trial: {load:.3g} Nm, {100 * load / most:.0f} % of the torque at i_max{words} (see `design`)",
                      f"{motor}")
         if motor[1] == "light.ini":
@@ -350,7 +350,7 @@ def trial_load(checks, folder):
                                "--set", "phase.full_speed.duration_s=0.5")
     checks.equal(phases["load"]["load_Nm"], 0.5, "a load that was set")
     checks.equal(done.returncode, 1, "more than it stands")
-    checks.true(f"; {0.5 / allowed:.3g} times the {allowed:.3g} Nm that may come at once at " in said, said)
+    checks.true(f"; {0.5 / allowed:.3g} times the largest load step of {allowed:.3g} Nm at " in said, said)
     checks.at_most(abs(phases["full_speed"]["end_s"] - phases["full_speed"]["start_s"] - 0.5), 1e-3, "a duration that was set")
     campaign = folder.run("run", "--motor", "light.ini", "--seeds", "1-2", "--set", "phase.load.bar_speed_rpm=20")
     checks.true("\n2 of 2 passed\n" in campaign.stdout, f"a bar for the trial: {campaign.stdout}{campaign.stderr}")
@@ -392,19 +392,19 @@ def injection(checks, folder):
                               ("pmsyrm_5kW", "leso-qpll", False), ("traction_400V", "qpll", False)]:
         light = ["design", "--motor", motor, "--drive", motor, "--set", f"estimator.pll={pll}"]
         checks.equal(json.loads(folder.run(*light, "--json").stdout)["injection"]["loses_steps"], loses, f"{motor}, {pll}")
-        said = "does not follow a rotor so light: estimator.pll = leso-qpll" in folder.run(*light).stdout
+        said = "does not follow so light a rotor; expected estimator.pll = leso-qpll" in folder.run(*light).stdout
         checks.equal(said, loses, f"{motor}, {pll}: the warning")
     text = folder.run(*command).stdout
     checks.true("zero and low speed: off (hfi.mode)\npossible: hfi.mode = on\n" in text, "said to be possible")
     text = folder.run(*command, "--set", "hfi.mode=on").stdout
-    checks.true("zero and low speed: on\nit is used\n" in text, "said to be used")
+    checks.true("zero and low speed: on\nin use\n" in text, "said to be used")
     round_rotor = folder.run("design", "--motor", "ebike_hub", "--drive", "ebike_hub").stdout
     checks.true("not possible: the rotor is not salient enough" in round_rotor
                 and "LODE_ERROR_HFI_SALIENCY" in round_rotor, "why not")
     other = folder.run(*command, "--set", "hfi.w2_rad_s=50", "--set", "hfi.w1_rad_s=60").stdout
     checks.true("not possible: w1 and w2 do not lie" in other, "why not, of a setting")
     other = folder.run(*command, "--set", "hfi.sigma_rad_s=9000").stdout
-    checks.true("not possible: the configuration is refused with it (LODE_ERROR_HFI_SIGMA)" in other,
+    checks.true("not possible: the library refuses the configuration with it (LODE_ERROR_HFI_SIGMA)" in other,
                 "why not, of another")
     six = folder.run("design", "--motor", "ultrazohm6", "--drive", "ultrazohm6").stdout
     checks.true("possible: hfi.mode = on" in six, "six phases, too")
@@ -461,15 +461,15 @@ def signal_check(checks, folder):
     found = json.loads(folder.run(*command, "--json").stdout)
     checks.at_most(abs(found["signal_check_A"] / (0.25 * 12) - 1), 1e-5, f"current {found['signal_check_A']}")
     checks.at_most(abs(found["signal_check_V"] / (0.25 * 12 * 3.5e-3 * 5000) - 1), 1e-5, f"{found['signal_check_V']} V")
-    for assignment, words in [("start.signal_check=auto", "tried by pulses of 52.5 V, which drive up to 3 A"),
-                              ("start.signal_check=off", "not tried: start.signal_check is off"),
-                              ("start.pulses=off", "not tried: start.pulses or start.catch_s is off, and start.signal_check is not on"),
-                              ("drive.dead_time_s=2e-5", "not tried: dead time takes too much of a pulse")]:
+    for assignment, words in [("start.signal_check=auto", "tested with pulses of 52.5 V, which drive up to 3 A"),
+                              ("start.signal_check=off", "not tested: start.signal_check is off"),
+                              ("start.pulses=off", "not tested: start.pulses or start.catch_s is off, and start.signal_check is not on"),
+                              ("drive.dead_time_s=2e-5", "not tested: dead time takes too much of a pulse")]:
         done = folder.run(*command, "--set", assignment)
         checks.true(f"before a start: bridge and sensors are {words}" in done.stdout, f"{assignment}: {words}")
     for assignments in [["start.pulses=off", "start.signal_check=on"], ["drive.double_update=on"]]:
         sets = [word for assignment in assignments for word in ("--set", assignment)]
-        checks.true("bridge and sensors are tried by pulses" in folder.run(*command, *sets).stdout, f"{assignments}")
+        checks.true("bridge and sensors are tested with pulses" in folder.run(*command, *sets).stdout, f"{assignments}")
     off = json.loads(folder.run(*command, "--set", "start.pulses=off", "--json").stdout)
     checks.equal([off["signal_check_V"], off["signal_check_A"]], [None, None], "none")
     six = folder.run("design", "--motor", "eldeeb2017", "--drive", "eldeeb2017").stdout

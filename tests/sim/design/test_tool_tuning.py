@@ -65,7 +65,7 @@ with Folder() as folder:
     for arguments, pattern in [
         (["--drive", DRIVE, "--c", "2.c"], "--c 2.c: expected a file whose name"),
         (["--drive", DRIVE, "--c", "no/where.c"], "where.c"),
-        (["--c"], "--c: expected a value after it"),
+        (["--c"], "--c: missing value; expected one after the option"),
         (["--c", "x.c"], r"\[drive\] f_pwm_Hz: missing"),  # not assumed for firmware
         (["--drive", "small.ini", "--c", "x.c"], r"\[drive\] i_range_A: missing"),
     ]:
@@ -75,7 +75,7 @@ with Folder() as folder:
                  "typeof", "static_assert", "asm", "main", "LODE_OK", "lode_drive_tuning_t", "lode_mine", "_Bool",
                  "_mine", "exp", "gamma", "sqrtf", "logl", "y0", "isnan", "uint32_t", "int_fast8_t", "float_t"):
         refused(checks, folder, ["design", "--motor", MOTOR, "--drive", DRIVE, "--c", f"{name}.c"],
-                f"--c {name}.c: the constant would be called {name}; expected a file whose name, .* is free in C: no keyword")
+                f"--c {name}.c: the constant would be called {name}; expected a file whose name without extension is free in C: no keyword")
     for name in ("integer", "form", "mainly", "lodestar", "expo", "f", "sqrtfl", "my_t", "int8"):
         run = subprocess.run([TOOL, "design", "--motor", MOTOR, "--drive", DRIVE, "--c", f"{name}.c"],
                              cwd=folder.path, capture_output=True, text=True)

@@ -83,7 +83,7 @@ def kinds(checks, folder):
     checks.true(text.rstrip().endswith("</html>"), "a whole page")
     for name in ("p.jpg", "p.pdf", "p.svg.gz", "p.", "p.PNG"):
         refused(checks, folder, ["run", "s.ini", "--plot", name],
-                rf"{re.escape(name)}: a picture of this kind is not drawn; expected a name ending in .svg")
+                rf"{re.escape(name)}: unknown picture format; expected a name ending in .svg")
 
 
 def folders(checks, folder):

@@ -746,7 +746,7 @@ def main():
         refused(checks, folder, ["reproduce"], "reproduce: expected the name of a paper: jiang2022 or li-fa-leso")
         refused(checks, folder, ["reproduce", "li"], "reproduce li: unknown; expected jiang2022 or li-fa-leso")
         refused(checks, folder, ["reproduce", "jiang2022", "--seeds", "1-21"], "reproduce --seeds: expected at most 20")
-        refused(checks, folder, ["reproduce", "jiang2022", "more"], "more: expected nothing there")
+        refused(checks, folder, ["reproduce", "jiang2022", "more"], "more: expected no argument here")
     checks.done()
 
 

@@ -21,7 +21,7 @@ def bad_paths(checks, folder):
                 "no/such/folder/a: cannot write: No such file or directory; expected a path in")
         refused(checks, folder, ["run", "main", option, "."], "cannot write: it is a folder")
         refused(checks, folder, ["run", "main", option, ""], "cannot write: the name is empty; expected a path")
-    refused(checks, folder, ["run", "main", "--csv", "a", "--json", "a"], "two outputs of that name")
+    refused(checks, folder, ["run", "main", "--csv", "a", "--json", "a"], "another output of this command has this name")
     refused(checks, folder, [*REPLAY, "--out", "no/o.csv", "--json", "o.json"], "cannot write")
     if os.geteuid() != 0:  # root may write anywhere
         (folder.path / "closed").mkdir(mode=0o500)
@@ -79,7 +79,7 @@ def plots_are_whole(checks, folder):
             done = subprocess.run([*full, *map(str, command), "--plot", name], cwd=folder.path,
                                   capture_output=True, text=True, timeout=300, check=False)
             checks.equal(done.returncode, 2, f"exit code of {command[0]} --plot {name} without room")
-            checks.true("gnuplot drew a part of the plot; expected room" in done.stderr, f"says {done.stderr!r}")
+            checks.true("gnuplot drew only a part of the plot; expected more space" in done.stderr, f"says {done.stderr!r}")
             checks.true(path.read_bytes() == b"old", f"{command[0]}: {name} stays")
 
 
@@ -114,22 +114,22 @@ def inputs_stay(checks, folder):
         for option in options:
             for name in [name for name, file in names.items() if file in inputs]:
                 output = [option + name] if option.endswith("=") else [option, name]
-                done = refused(checks, folder, [*command, *output], "it is read here, and would be lost; expected a separate file")
+                done = refused(checks, folder, [*command, *output], "it is an input of this command; expected a separate file")
                 checks.equal(done.stdout, "", f"{command[0]} {output}: printed before it was refused")
     # The tuning in C has a name of its own, which a link may point to an input.
     (folder.path / "t.c").symlink_to("m.ini")
-    refused(checks, folder, [*design, "--c", "t.c"], "t.c: cannot write: it is read here")
+    refused(checks, folder, [*design, "--c", "t.c"], "t.c: cannot write: it is an input of this command")
     # A figure of `analyse` in the place of the motor's file.
     figure = folder.write("figures/jiang2022-fig4.svg", MOTOR.read_text())
     refused(checks, folder, ["analyse", "--motor", figure, "--drive", "d.ini", "--plots", "figures"],
-            "jiang2022-fig4.svg: cannot write: it is read here")
+            "jiang2022-fig4.svg: cannot write: it is an input of this command")
     checks.equal(figure.read_text(), MOTOR.read_text(), "the motor in the place of a figure")
     for one, other in [("new", "./new"), ("new", "sub/../new"), ("r2", "link"), ("r2", "r3")]:
         (folder.path / "r2").write_text("old")
         for path, make in [("link", "symlink_to"), ("r3", "hardlink_to")]:
             (folder.path / path).unlink(missing_ok=True)
             getattr(folder.path / path, make)("r2" if make == "symlink_to" else folder.path / "r2")
-        refused(checks, folder, [*replay, "--out", one, "--json", other], "two outputs of that name")
+        refused(checks, folder, [*replay, "--out", one, "--json", other], "another output of this command has this name")
     for path, data in before.items():
         checks.true(path.read_bytes() == data, f"{path.name}: changed")
     checks.equal([name for name in folder.names() if "tmp" in name or name == "new"], [], "left")
@@ -151,12 +151,12 @@ def shipped_files_stay(checks, folder):
     ]:
         for option in options:
             for name in inputs:
-                done = refused(checks, folder, [*command, option, name], "it is read here, and would be lost; expected a separate file", env)
+                done = refused(checks, folder, [*command, option, name], "it is an input of this command; expected a separate file", env)
                 checks.equal(done.stdout, "", f"{command[0]} {option} {name}: printed before it was refused")
     figure = folder.path / "of-paper/fig12.svg"
     figure.parent.mkdir()
     figure.symlink_to(data / "motors/jiang2022.ini")
-    refused(checks, folder, [*paper, "--plots", "of-paper"], "it is read here, and would be lost", env)
+    refused(checks, folder, [*paper, "--plots", "of-paper"], "it is an input of this command", env)
     for path, content in before.items():
         checks.true(path.read_bytes() == content, f"{path.name}: changed")
 
