@@ -1,4 +1,4 @@
-/// One scenario with many seeds: a line for each, and how many passed.
+/// Runs one scenario with many seeds: prints a line for each, and how many passed.
 #ifndef RIG_CAMPAIGN_H
 #define RIG_CAMPAIGN_H
 

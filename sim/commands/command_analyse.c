@@ -21,8 +21,8 @@ typedef struct {
     plot_output_t plot[PLOT_BODE_COUNT];
 } files_t;
 
-/// Paper 1's motor and drive where none is given. A motor of one's own brings its drive with it, or has one
-/// assumed: never that of the paper.
+/// Without a motor and a drive, those of paper 1 are used. A given motor uses the drive in its own file or an
+/// assumed one, never the paper's.
 static bool load(rig_config_t *config, const options_t *options) {
     const bool own = options->motor != NULL && options->drive == NULL;
     const char *motor = options->motor != NULL ? options->motor : PAPER;

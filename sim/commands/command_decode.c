@@ -31,7 +31,7 @@ static bool want_of(const char *kind, decode_want_t *want) {
     return false;
 }
 
-/// All of the file, to be freed; NULL after a message.
+/// The whole file, to be freed by the caller; NULL after a message.
 static unsigned char *read_all(const char *path, size_t *size) {
     FILE *file = inputs_open(path);
     unsigned char *data = NULL;

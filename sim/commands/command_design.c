@@ -11,7 +11,7 @@
 #include "support/atomic_file.h"
 #include "support/outputs.h"
 
-/// The C constant that was asked for, if one was. The configuration is one that passes.
+/// Writes the C constant if --c is given. The library has accepted the configuration.
 static bool print_source(const options_t *options, const rig_config_t *config,
                          const lode_drive_tuning_t *tuning) {
     if (options->source == NULL) {

@@ -10,7 +10,7 @@ static bool is_of_phase(const char *set) {
     return strncmp(set, "phase.", strlen("phase.")) == 0;
 }
 
-/// Each --set of a phase, or each other one.
+/// Applies each --set of a phase, or each other one.
 static bool take_sets(rig_config_t *config, const options_t *options, bool of_phase) {
     bool good = true;
     for (int k = 0; good && k < options->sets; ++k) {
@@ -35,8 +35,8 @@ bool command_load_drive(rig_config_t *config, const char *motor, const char *dri
     return load_parts(config, motor, drive) && command_load_sets(config, options);
 }
 
-/// A motor without a scenario brings its drive with it, or has one assumed, as in `design`. The phases are there
-/// when all else is known.
+/// A motor without a scenario uses the drive in its own file or an assumed one, as in `design`. The phases are
+/// made last, because they depend on all other values.
 static bool load_motor(rig_config_t *config, const options_t *options) {
     if (!load_parts(config, options->motor, options->drive) || !take_sets(config, options, false) ||
         !rig_config_complete(config, options->drive == NULL ? RIG_NEED_MOTOR : RIG_NEED_DRIVE)) {

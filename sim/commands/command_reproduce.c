@@ -13,11 +13,11 @@
 #include "support/shown.h"
 
 enum {
-    PLOTS_MAX = LI_PLOTS, // the most of any
+    PLOTS_MAX = LI_PLOTS, // the largest number of any paper
     SEEDS = 5
 };
 
-/// One paper, as the command sees it.
+/// Interface of one paper.
 typedef struct {
     const char *name;
     bool (*load)(const options_t *options);

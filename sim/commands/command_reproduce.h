@@ -1,4 +1,4 @@
-/// `lodestar reproduce`: the experiments of a paper again.
+/// `lodestar reproduce`: repeats the experiments of a paper.
 #ifndef RIG_COMMAND_REPRODUCE_H
 #define RIG_COMMAND_REPRODUCE_H
 

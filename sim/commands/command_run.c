@@ -29,7 +29,7 @@ static bool open_files(files_t *files, const options_t *options) {
            plot_open(&files->plot, options->plot);
 }
 
-/// What the first line of a scenario or a motor says of it; its name where that says nothing.
+/// Title of a scenario or a motor: its first comment line, or its name without one.
 static void title_of(const char *path, char *title, size_t size) {
     const char *slash = strrchr(path, '/');
     ini_config_title(path, title, size);

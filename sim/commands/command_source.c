@@ -5,7 +5,7 @@
 #include "support/diag.h"
 #include "support/outputs.h"
 
-/// Says where the two sets stand that the C constant is not for.
+/// Refuses two winding sets, which the C constant does not support, with the place of the key.
 static void refuse_six(const rig_config_t *config, const char *source) {
     const int row = rig_schema_find(rig_schema(), "motor", "sets");
     const rig_origin_t *origin = &config->origin[row];

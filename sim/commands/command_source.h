@@ -11,15 +11,15 @@
 #include "lodestar/drive.h"
 
 typedef struct {
-    FILE *file; ///< NULL: not asked for
+    FILE *file; ///< NULL: not wanted
     char name[RIG_NAME_LENGTH * 2];
 } command_source_t;
 
-/// Opens the file, if one was asked for. False after a message: it is for three phases.
+/// Opens the file if --c is given. False after a message, as for a motor with six phases.
 bool command_source_open(command_source_t *self, const options_t *options,
                          const rig_config_t *config);
 
-/// Writes it. `command`: which one does; `motor`: the file that it was told of, a motor's or a scenario's.
+/// Writes the constant. `command`: the name of the calling command; `motor`: the file of the motor or the scenario.
 void command_source_print(const command_source_t *self, const char *command, const char *motor,
                           const options_t *options, const rig_config_t *config,
                           const lode_drive_tuning_t *tuning);

@@ -7,16 +7,15 @@
 #include "config/schema.h"
 #include "support/units.h"
 
-// Where no drive is given: a common switching frequency, a bus and a current that suit the motor.
+// Without a drive: a common switching frequency, and a bus voltage and a current that suit the motor.
 #define F_PWM_Hz 10000.0f
 #define F_PWM_STEP_Hz 5000.0f
 #define F_PWM_MAX_Hz 100000.0f
-#define PERIODS_PER_RAD 4.5f // 28 per turn, as the drone drive that comes with the tool
+#define PERIODS_PER_RAD 4.5f // 28 per turn, as in the drone drive of the catalogue
 #define RATED_rpm 1500.0
 #define CURRENT_SHARE 0.3 // of the current whose field equals the magnets'
 #define VOLTAGE_RESERVE 1.25
-#define DROP_SHARE                                                                                 \
-    0.1 // of the phase voltage, at i_max: as the machines that come with the tool have it
+#define DROP_SHARE 0.1 // of the phase voltage, at i_max: as in the machines of the catalogue
 #define HARMONIC_SHARE 0.03
 
 static bool is_open(const rig_config_t *config, int row) {
@@ -31,8 +30,8 @@ static void note(rig_config_t *config, const char *section, const char *key, con
     }
 }
 
-/// For the rated speed; where that is not known either, for 1500 rpm, and at least such that the drop across
-/// Rs is a small share of it: below that no motor is run, and small ones turn many times faster.
+/// The bus voltage for the rated speed. Without a rated speed it is for 1500 rpm, and at least so high that the
+/// drop across Rs is a small share of it: no motor is run below that, and small motors turn many times faster.
 static void assume_bus(rig_config_t *config) {
     lode_inverter_config_t *inverter = &config->drive.inverter;
     const lode_motor_t *motor = &config->drive.motor;
@@ -50,7 +49,7 @@ static void assume_bus(rig_config_t *config) {
                           : "enough for 1500 rpm");
 }
 
-/// High enough for the observer of a motor that turns fast: PERIODS_PER_RAD periods per electrical radian.
+/// High enough for the observer of a fast motor: PERIODS_PER_RAD periods per electrical radian.
 static void assume_frequency(rig_config_t *config) {
     lode_drive_config_t trial = config->drive;
     trial.f_pwm_Hz = F_PWM_Hz;
@@ -110,7 +109,7 @@ void assumptions_disturbances(rig_config_t *config) {
     rig_plant_t *plant = &config->plant;
     assume(config, "emf5_ratio", &plant->emf5_ratio, HARMONIC_SHARE, "3 % of the EMF");
     assume(config, "emf7_ratio", &plant->emf7_ratio, HARMONIC_SHARE, "3 % of the EMF");
-    // Quantisation and all that comes with it.
+    // Quantisation and the noise that comes with it.
     assume(config, "i_noise_A", &plant->i_noise_A, fabs((double)config->drive.sense.i_gain_A_count),
            "one ADC count");
 }

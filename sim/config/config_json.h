@@ -1,4 +1,4 @@
-/// The values in use, key by key, as JSON.
+/// The values in use as JSON, key by key.
 #ifndef RIG_CONFIG_JSON_H
 #define RIG_CONFIG_JSON_H
 
@@ -7,7 +7,7 @@
 
 #include "config/rig_config.h"
 
-/// An object that names the tool's version, for what a command has to say.
+/// A new object with the tool's version, for the results of a command.
 cJSON *config_json_root(void);
 
 /// A new object at the end of an array.
@@ -16,13 +16,13 @@ cJSON *config_json_item(cJSON *array);
 /// {section: {key: value}} of everything that is set or computed.
 cJSON *config_json(const rig_config_t *config);
 
-/// What of it nobody gave and nothing computed: "section.key" and why this value was taken.
+/// The assumed values: "section.key" and the reason for the value.
 cJSON *config_json_assumed(const rig_config_t *config);
 
 /// A number as JSON that reads back to the same value; null for NaN and infinity.
 void config_json_number(cJSON *object, const char *name, double value);
 
-/// Writes `root` with a line end and deletes it. False where memory is out.
+/// Writes `root` with a line end and deletes it. False if out of memory.
 bool config_json_write(FILE *file, cJSON *root);
 
 #endif

@@ -1,4 +1,4 @@
-/// From the keys that data sheets and people prefer to those of the library.
+/// Conversion from the keys of data sheets to those of the library.
 #ifndef RIG_CONVERSIONS_H
 #define RIG_CONVERSIONS_H
 
@@ -10,10 +10,10 @@
 /// after a message: two keys give one quantity, or a winding's value is given without its connection.
 bool conversions_apply(rig_config_t *config);
 
-/// True of such a key, given or not.
+/// True for such a key, given or not.
 bool conversions_has(const char *section, const char *key);
 
-/// The keys that may stand in place of `[section] key`, separated by commas; empty: none.
+/// The keys that may replace `[section] key`, separated by commas; empty: none.
 void conversions_instead_of(const char *section, const char *key, char *text, size_t size);
 
 #endif

@@ -14,7 +14,7 @@
 #define RIG_DATA_DIR "sim/data"
 #endif
 
-/// Beside an installed tool: <prefix>/bin/lodestar, <prefix>/share/lodestar. NULL where there is none.
+/// Data of an installed tool: <prefix>/bin/lodestar has <prefix>/share/lodestar. NULL if there is none.
 static const char *installed_folder(void) {
     static const char share[] = "/../share/lodestar";
     static char path[RIG_PATH_LENGTH];
@@ -44,13 +44,13 @@ static bool ends_in_ini(const char *name) {
     return length > 4 && strcmp(name + length - 4, ".ini") == 0;
 }
 
-/// A folder is none, nor a device.
+/// A folder or a device is not a regular file.
 static bool is_file(const char *path) {
     struct stat about;
     return stat(path, &about) == 0 && S_ISREG(about.st_mode) && access(path, R_OK) == 0;
 }
 
-/// The tool's own file of that kind; or by the path that it had before sim/data/ (sim/motors/jiang2022.ini).
+/// The shipped file of that kind, also by its path before sim/data/ existed (sim/motors/jiang2022.ini).
 static int shipped(const char *kind, const char *name, char *path, size_t size) {
     if (strchr(name, '/') == NULL) {
         return snprintf(path, size, "%s/%s/%s%s", data_folder(), kind, name,
@@ -66,7 +66,8 @@ static int shipped(const char *kind, const char *name, char *path, size_t size) 
     return snprintf(path, size, "%.*sdata/%s", (int)(rest - name), name, rest);
 }
 
-/// What a name stands for: a bare one for a shipped file before a file here, all others the other way round.
+/// Resolves a name: a bare name is first a shipped file, then a file in the current folder; any other name is
+/// the reverse.
 static int candidate(int number, const char *kind, const char *name, char *path, size_t size) {
     const bool bare = strchr(name, '/') == NULL && !ends_in_ini(name);
     return (number == 0) == bare ? shipped(kind, name, path, size)
@@ -84,7 +85,7 @@ bool data_files_find(const char *kind, const char *name, char *path, size_t size
             return true;
         }
     }
-    (void)snprintf(path, size, "%s", name); // who opens it says what is wrong
+    (void)snprintf(path, size, "%s", name); // opening the file reports the error
     return true;
 }
 
@@ -118,7 +119,7 @@ static int is_ini(const struct dirent *entry) {
     return ends_in_ini(entry->d_name) ? 1 : 0;
 }
 
-/// The files of one kind, in the order of their names; -1 after a message.
+/// The files of one kind, sorted by name; -1 after a message.
 static int scan(const char *kind, char folder[1024], struct dirent ***entry) {
     (void)snprintf(folder, 1024, "%s/%s", data_folder(), kind);
     const int count = scandir(folder, entry, is_ini, alphasort);

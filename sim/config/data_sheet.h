@@ -2,11 +2,11 @@
 #ifndef RIG_DATA_SHEET_H
 #define RIG_DATA_SHEET_H
 
-/// The key, with its unit in its name; what it stands for (two where one value is that of both axes);
-/// how it is converted (conversions.c); the factor of its unit.
+/// The key, with its unit in its name; the keys it replaces (two if one value is for both axes); its conversion
+/// (conversions.c); the factor of its unit.
 #define DATA_SHEET_KEYS(X) X(poles, "pole_pairs", NULL, SCALED, 0.5) DATA_SHEET_VALUES(X)
 
-/// All but the count of poles, which has a range of its own.
+/// All but the number of poles, which has a range of its own.
 #define DATA_SHEET_VALUES(X)                                                                       \
     X(Rs_mOhm, "Rs_Ohm", NULL, SCALED, 1e-3)                                                       \
     X(R_line_line_Ohm, "Rs_Ohm", NULL, LINE_LINE, 1.0)                                             \

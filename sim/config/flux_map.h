@@ -5,7 +5,7 @@
 
 #include "plant/map.h"
 
-/// The map of a file, read once in the life of the process. NULL after a message.
+/// The map of a file, read once per process. NULL after a message.
 const plant_map_t *flux_map_find(const char *path);
 
 #endif

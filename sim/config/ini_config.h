@@ -6,25 +6,25 @@
 
 #include "config/rig_config.h"
 
-/// A scenario: first the files that its [scenario] section names (relative to its own folder), then
-/// itself over them. False after a message "FILE:LINE: [section] key: ...".
+/// Reads a scenario: first the files that its [scenario] section names (relative to its own folder), then the
+/// scenario itself, which overrides them. False after a message "FILE:LINE: [section] key: ...".
 bool ini_config_load_scenario(rig_config_t *config, const char *path);
 
-/// A file of a motor, a drive or a plant: anything but [scenario] and phases. One that has been read counts as it
-/// is: motor and drive may be in one file.
+/// Reads a file of a motor, a drive or a plant: anything but [scenario] and phases. A file that has been read
+/// is not read again: motor and drive may be in one file.
 bool ini_config_load_part(rig_config_t *config, const char *path);
 
-/// "section.key=value", overrides the files. `option`: how the command line calls it.
+/// "section.key=value", overrides the files. `option`: the name of the option on the command line.
 bool ini_config_set(rig_config_t *config, const char *option, const char *assignment);
 
-/// The value in use, as a file would give it; a rated speed that was not given is that of a designed drive.
+/// The value in use, as written in a file; a rated speed that was not given is that of the designed drive.
 void ini_config_value(const rig_config_t *config, int row, char *text, size_t size);
 
-/// Names the place that decided a key: "FILE:LINE", "from FILE", "command line", "measured",
+/// The source of the value of a key: "FILE:LINE", "from FILE", "command line", "measured",
 /// or "default or computed".
 void ini_config_where(const rig_config_t *config, int row, char *text, size_t size);
 
-/// First comment line of the file, without its mark: what a list says about it.
+/// First comment line of the file, without its mark: its title in a list.
 void ini_config_title(const char *path, char *text, size_t size);
 
 /// `name` as seen from the folder of the file `from`. False: longer than `size`.

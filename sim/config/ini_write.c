@@ -4,7 +4,7 @@
 
 #include "config/conversions.h"
 
-/// What only a drive with six phases reads.
+/// Keys that only a drive with six phases reads.
 static bool is_of_six(const rig_key_t *key) {
     return strcmp(key->section, "xy") == 0 || strcmp(key->key, "Lxy_H") == 0 ||
            strcmp(key->key, "winding") == 0 || strcmp(key->key, "open_phase") == 0;
@@ -15,7 +15,7 @@ bool ini_write_is_of_drive(const rig_config_t *config, const rig_key_t *key) {
            strcmp(key->section, "scenario") != 0 && strcmp(key->key, "source") != 0;
 }
 
-/// What a key in other units stands for has its value already.
+/// A key in other units is not written, because the key it replaces has the value.
 static bool is_written(const rig_config_t *config, int row) {
     const rig_schema_t schema = rig_schema();
     const rig_key_t *key = &schema.row[row];
@@ -25,8 +25,8 @@ static bool is_written(const rig_config_t *config, int row) {
            ini_write_is_of_drive(config, key) && !conversions_has(key->section, key->key);
 }
 
-/// Assumed of whatever motor, and so assumed again by whoever reads the file: it keeps that mark, which
-/// firmware asks for.
+/// A value that is assumed for any motor is assumed again when the file is read, and so keeps its mark, which
+/// the refusal for firmware needs.
 static bool is_assumed_again(const rig_config_t *config, int row) {
     static const char *const by_motor[] = {"f_pwm_Hz", "v_bus_V", "i_max_A"};
     bool again = config->origin[row].assumed != NULL;
@@ -47,7 +47,7 @@ void ini_write(FILE *file, const rig_config_t *config) {
         if (value[0] == '\0' || !is_written(config, k)) {
             continue;
         }
-        if (origin->measured && strcmp(value, "auto") == 0) { // nothing was left open
+        if (origin->measured && strcmp(value, "auto") == 0) { // every value was given
             (void)snprintf(value, sizeof value, "0");
         }
         if (strcmp(section, key->section) != 0) {

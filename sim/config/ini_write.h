@@ -8,12 +8,12 @@
 #include "config/rig_config.h"
 #include "config/schema.h"
 
-/// True of a key that says something of this motor and drive: not of plant and scenario, and of six phases only
-/// where there are six.
+/// True for a key of motor and drive, not of plant and scenario; keys of six phases only if there are six.
 bool ini_write_is_of_drive(const rig_config_t *config, const rig_key_t *key);
 
-/// Every such key that was given, assumed or measured, in SI units and to the last bit. What was
-/// assumed of whatever motor is a comment. What is left open is what the library computes of the same values.
+/// Writes every such key that was given, assumed or measured, in SI units and with all digits. Values that are
+/// assumed for any motor become comments. The other keys are left out; the library computes them from the same
+/// values.
 void ini_write(FILE *file, const rig_config_t *config);
 
 #endif

@@ -4,8 +4,8 @@
 
 #include "config/speed_limits.h"
 
-// (K18): what a load at once takes of the speed, the share of the feed-forward that comes in time, and the speed
-// below which the inverter's errors hide the EMF, of the hand-over speed.
+// (K18): the speed dip after a load step, the share of the feed-forward that acts in time, and the speed below
+// which the inverter's errors hide the EMF, as a share of the hand-over speed.
 #define DIP 0.735759 // 2/e (K15)
 #define LATE 1.2
 #define FED_IN_TIME 0.5
@@ -18,7 +18,7 @@ static double gain_at(const lode_speed_tuning_t *tuning, double omega_rad_s) {
     return 1.0 + (double)tuning->rise * fmin(fmax(up, 0.0), 1.0);
 }
 
-/// The load that takes the speed down to the floor; with injection no speed is too low.
+/// The load step that makes the speed dip to the lowest usable speed; with injection no speed is too low.
 static double by_speed_Nm(const lode_drive_config_t *drive, const lode_speed_tuning_t *tuning,
                           double omega_rad_s) {
     const double room = omega_rad_s - FLOOR_SHARE * (double)drive->start.omega_handover_rad_s;

@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-// A wrong prefix is a factor of 1000, so a tenth and ten times of what the catalogue has part right from wrong; a run-up
-// with a load, a hundred times. With less than a third of the voltage few motors run at rated speed. That a drive has
-// too little of it the verdict says.
+// A wrong unit prefix is a factor of 1000. The limits are a tenth and ten times the catalogue's range, for the
+// run-up with a load a hundred times. With less than a third of the voltage few motors reach rated speed; the
+// verdict reports a voltage that is only slightly too low.
 static const plausible_t catalogue = {
     .ratio = {
         {.key = "time_constant",

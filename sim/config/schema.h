@@ -1,4 +1,4 @@
-/// The one table of INI keys: which there are, what they accept and where their value goes.
+/// The table of all INI keys, the values they accept, and the fields that hold them.
 #ifndef RIG_SCHEMA_H
 #define RIG_SCHEMA_H
 
@@ -41,24 +41,24 @@ rig_schema_t rig_phase_schema(void);
 /// Row of the key, -1: there is none.
 int rig_schema_find(rig_schema_t schema, const char *section, const char *key);
 
-/// Says what would have been right in place of an unknown `[section] key`.
+/// Writes the valid choices for an unknown `[section] key`.
 void rig_schema_expected(rig_schema_t schema, const char *section, char *text, size_t size);
 
-/// Which key may have been meant by an unknown one: the same in another section, or in this one the same with
-/// its unit, or the one that is spelled most alike; its row. -1: none.
+/// Row of the key that an unknown one may mean: the same key in another section, or in this section the key
+/// with its unit or the most similar one. -1: none.
 int rig_schema_guess(rig_schema_t schema, const char *section, const char *key);
 
-/// Reads `value` into the field of `object`. False: `expected` says what would have been right.
+/// Reads `value` into the field of `object`. False: `expected` names the valid values.
 bool rig_key_assign(const rig_key_t *key, void *object, const char *value, char *expected,
                     size_t size);
 
-/// The value as a file would give it. Empty for an unset one.
+/// The value as written in a file. Empty if unset.
 void rig_key_print(const rig_key_t *key, const void *object, char *text, size_t size);
 
-/// The same with as many digits as rig_key_assign() needs to come back to the very same value.
+/// The same with enough digits for rig_key_assign() to read back exactly the same value.
 void rig_key_print_exactly(const rig_key_t *key, const void *object, char *text, size_t size);
 
-/// As a number, for files that machines read; false where it is a word or unset.
+/// The value as a number, for JSON; false if it is a word or unset.
 bool rig_key_number(const rig_key_t *key, const void *object, double *value);
 
 #endif

@@ -35,7 +35,7 @@ static const char emf_names[] =
     "c-leso-euler|gi-leso-euler|fa-leso-euler";
 #define PLL "leso-qpll|qpll|enhanced|leso-qpll-euler|qpll-euler|enhanced-euler"
 
-// The rows of a section stand together; the order of the names of a choice is its enumerators'.
+// The rows of a section are contiguous; the names of a choice have the order of its enumerators.
 static const rig_key_t keys[] = {
     GIVEN("motor", "pole_pairs", motor.pole_pairs),
     GIVEN("motor", "Rs_Ohm", motor.Rs_Ohm),

@@ -13,8 +13,8 @@ static double radius_V(const lode_drive_config_t *config) {
     return (double)config->current.voltage_use * (double)config->inverter.v_bus_V / sqrt(3.0);
 }
 
-/// The currents of most torque at this speed, without a limit of the voltage. A saturating Lq follows iq
-/// from step to step.
+/// The currents of the largest torque at this speed, without the voltage limit. A saturating Lq follows iq from
+/// step to step.
 static lode_dq_t most_current(const lode_references_tuning_t *tuning, double omega_rad_s) {
     lode_references_t state;
     lode_references_reset(&state, 0.0f);
@@ -32,7 +32,7 @@ static double saturated_Lq_H(const lode_drive_config_t *config, lode_dq_t i) {
            (1.0 + (double)config->references.Lq_fall * fabs((double)i.q));
 }
 
-/// Steady voltage at this speed and the currents of most torque.
+/// Steady voltage at this speed with the currents of the largest torque.
 static double voltage_needed(const lode_drive_config_t *config,
                              const lode_references_tuning_t *tuning, double omega_rad_s) {
     const lode_motor_t *motor = &config->motor;
@@ -44,7 +44,7 @@ static double voltage_needed(const lode_drive_config_t *config,
     return hypot(ud, R * (double)i.q + omega_rad_s * flux);
 }
 
-/// Of the references without weakening, and without a limit of the bus, which at the nominal one does not act.
+/// For references without weakening and without the bus limits, which do not act at the nominal bus voltage.
 static bool tune_references(lode_references_tuning_t *tuning, const lode_drive_config_t *config) {
     lode_references_config_t references = config->references;
     references.field_weakening = LODE_OFF;
@@ -73,7 +73,7 @@ static double base_speed(const lode_drive_config_t *config, double end_rad_s) {
     return low;
 }
 
-/// With id_max against the magnets and no torque.
+/// Voltage with id_max against the magnets and no torque.
 static double weakened_speed(const lode_drive_config_t *config) {
     const lode_references_config_t *references = &config->references;
     if (references->field_weakening != LODE_ON) {
@@ -97,12 +97,12 @@ double speed_limits_torque_Nm(const lode_drive_config_t *config, double omega_ra
     return (double)lode_motor_torque_Nm(&motor, i);
 }
 
-/// Base speed of the current that is left for a steady load.
+/// Base speed for the current that is left for a steady load.
 static double rated_torque_speed(const lode_drive_config_t *config, double end_rad_s) {
     lode_drive_config_t steady = *config;
     steady.inverter.i_max_A /= (float)SPEED_LIMITS_CONTROL;
     steady.references.id_max_A =
-        fminf(steady.references.id_max_A, steady.inverter.i_max_A); // or it would be refused
+        fminf(steady.references.id_max_A, steady.inverter.i_max_A); // otherwise it would be refused
     return base_speed(&steady, end_rad_s);
 }
 

@@ -1,5 +1,5 @@
-/// A scenario for a motor that comes without one: start, half and full speed, a load, a stop. There is no half speed
-/// where the start ends above it already.
+/// A scenario for a motor without one: start, half and full speed, a load, a stop. Half speed is left out if
+/// the start ends above it.
 #ifndef RIG_TRIAL_SCENARIO_H
 #define RIG_TRIAL_SCENARIO_H
 
@@ -7,15 +7,15 @@
 
 #include "config/rig_config.h"
 
-/// Of the estimator's limit, at most: room for an overshoot and for a load that lets go.
+/// Largest share of the estimator's limit: leaves room for an overshoot and for a load that drops.
 #define TRIAL_ESTIMATOR_SHARE 0.95
 
-/// Fills the phases of a designed configuration from its own speeds, torque and ramp. A full speed that
-/// the estimator could not follow is lowered, and its phase says from where.
-/// The load is half of the torque at i_max, as far as the largest step of load allows it (K18).
+/// Fills the phases of a designed configuration from its own speeds, torque and ramp. A full speed that the
+/// estimator could not follow is lowered, and its phase keeps the original value.
+/// The load is half of the torque at i_max, or the largest load step (K18) if that is smaller.
 void trial_scenario(rig_config_t *config);
 
-/// A line that says what the load is, beside the largest step of load at that speed.
+/// Prints a line with the load and the largest load step at that speed.
 void trial_scenario_print(FILE *file, const rig_config_t *config);
 
 #endif

@@ -5,7 +5,7 @@
 #include "lag_inline.h"
 #include "support/units.h"
 
-/// Shares of the rated speed for the tables; the last is replaced by the highest speed.
+/// Shares of the rated speed for the tables; the highest speed replaces the last one.
 static const double shares[DESIGN_SPEEDS] = {0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0, 1.5, 0.0};
 
 static void at_speed(design_speed_t *at, const lode_drive_config_t *drive,

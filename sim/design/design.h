@@ -1,4 +1,4 @@
-/// What follows from a motor and a drive, beyond the library's own numbers.
+/// Results for a motor and a drive, beyond the library's own values.
 #ifndef RIG_DESIGN_H
 #define RIG_DESIGN_H
 
@@ -13,7 +13,7 @@
 
 enum { DESIGN_SPEEDS = 10 };
 
-/// At one speed.
+/// Results at one speed.
 typedef struct {
     double speed_rpm, omega_rad_s;
     double emf_V;
@@ -22,7 +22,7 @@ typedef struct {
     double lag_eq30_deg;       ///< paper 1, eq. (30), continuous time: 2 atan(w/w0)
     margins_t margins;
     double complex pole; ///< least damped one of observer, PLL and notches together
-    double radius;       ///< largest |z| of theirs
+    double radius;       ///< largest |z| of these poles
 } design_speed_t;
 
 typedef struct {
@@ -32,19 +32,19 @@ typedef struct {
     injection_t injection;
     plausible_t plausible;
     verdict_t verdict;
-    double sigma_accepted_rad_s; ///< largest sigma that the library takes
+    double sigma_accepted_rad_s; ///< largest sigma that the library accepts
     double rated_rpm, handover_rpm;
     speed_limits_t speeds;
-    double dead_time_V;         ///< fundamental of what the dead time takes: 4/pi Td f v_bus
+    double dead_time_V;         ///< fundamental of the dead-time voltage: 4/pi Td f v_bus
     double dead_time_equal_rpm; ///< speed at which the EMF is as large
     double current_bandwidth_rad_s, speed_bandwidth_rad_s;
     double start_current_torque_Nm, torque_max_Nm;
     double signal_check_V,
-        signal_check_A; ///< a pulse of (S37), and the most it drives; NAN: none, or six phases
-    double angle_per_Lq_percent_deg; ///< error at i_max for each percent that Lq is off
+        signal_check_A; ///< a pulse of (S37), and its largest current; NAN: none, or six phases
+    double angle_per_Lq_percent_deg; ///< angle error at i_max for each percent of error of Lq
 } design_t;
 
-/// Of a configuration that is designed, and of its tuning.
+/// For a designed configuration and its tuning.
 void design_compute(design_t *design, const rig_config_t *config,
                     const lode_drive_tuning_t *tuning);
 

@@ -5,13 +5,13 @@
 
 #include "support/units.h"
 
-// What the drive shall stand, where the configuration says nothing of it.
+// The disturbances of the guideline, unless the configuration gives them.
 #define LOAD_SHARE 0.5 // of the torque at i_max: about rated torque
 #define DAMPING_MIN 0.45
 #define SIGMAS_OF_STEP 16.0 // time constants 1/sigma until a step's peak has passed
 #define NOISE_SIGMAS 3.0
 #define CANDIDATE_RATIO 1.02
-#define FLAT 1.1 // the sum's minimum is flat: within this of it the smallest k2 is as good
+#define FLAT 1.1 // the sum's minimum is flat: the smallest k2 within this factor of it is as good
 enum { BISECTIONS = 50 };
 
 typedef struct {
@@ -30,7 +30,7 @@ static bool unstable(const lode_estimator_tuning_t *tuning, const lode_emf_confi
 double guide_k2_limit(const lode_estimator_tuning_t *tuning, const lode_emf_config_t *emf,
                       double omega_rad_s, double sigma_rad_s) {
     const lode_estimator_tuning_t t = joint_with_sigma(tuning, sigma_rad_s);
-    double low = fmax(1.0, 0.01 * sigma_rad_s); // what lode_observer_tune() takes
+    double low = fmax(1.0, 0.01 * sigma_rad_s); // what lode_observer_tune() accepts
     double high = fmin(3.0 * sigma_rad_s, 1.0 / (double)tuning->pll.ts_s);
     if (!unstable(&t, emf, omega_rad_s, low)) {
         return 0.0;
@@ -42,7 +42,7 @@ double guide_k2_limit(const lode_estimator_tuning_t *tuning, const lode_emf_conf
     return high / sigma_rad_s;
 }
 
-// ---- What one k2 does -----------------------------------------------------------------------------
+// ---- Effects of one k2 -----------------------------------------------------------------------------
 
 /// Largest angle error after an acceleration of 1 rad/s^2 sets in, rad.
 static double step_peak(const joint_t *joint) {
@@ -57,7 +57,7 @@ static double step_peak(const joint_t *joint) {
     return peak;
 }
 
-/// Angle that harmonics of 1 make: a vector that turns at +-6 w in the rotor's frame.
+/// Angle error by harmonics of amplitude 1: a vector that turns at +-6 w in the rotor's frame.
 static double ripple_of(const joint_t *joint, double omega_rad_s, double fifth, double seventh) {
     const double complex z = cexp(6.0 * I * fabs(omega_rad_s) * joint->ts_s);
     // exp(j x): along it cos x, ahead of it sin x = Re(-j exp(j x)); exp(-j x) the other way.
@@ -65,7 +65,7 @@ static double ripple_of(const joint_t *joint, double omega_rad_s, double fifth, 
            fifth * cabs(joint_angle_response(joint, z, 1.0, I));
 }
 
-/// rms of the angle for white noise of 1 in both parts of nu, m = nu[k] - decay nu[k-1].
+/// rms of the angle for white noise of variance 1 in both components of nu, m = nu[k] - decay nu[k-1].
 static double noise_of(const joint_t *joint, double omega_rad_s, double decay) {
     const double complex back = -decay * cexp(-I * omega_rad_s * joint->ts_s);
     const int count = (int)(SIGMAS_OF_STEP / (joint->sigma_rad_s * joint->ts_s));
@@ -82,12 +82,12 @@ static double noise_of(const joint_t *joint, double omega_rad_s, double decay) {
     return sqrt(sum);
 }
 
-/// Volts of m per ampere that a sample is off, over the length of m.
+/// Volts of m per ampere of error of a sample, relative to the length of m.
 static double noise_scale(const task_t *task, double omega_rad_s) {
     const double ts = 1.0 / (double)task->drive->f_pwm_Hz;
     const double emf = omega_rad_s * (double)task->drive->motor.psi_Wb;
     const double gamma = cabs(observer_circuit(&task->drive->motor, ts, omega_rad_s));
-    // Three phases of equal noise give alpha and beta sqrt(2/3) of it each.
+    // Equal noise in three phases gives sqrt(2/3) of it in alpha and in beta.
     return sqrt(2.0 / 3.0) * (double)task->tuning->emf.inv_b / (emf * gamma);
 }
 
@@ -125,8 +125,8 @@ static void note_speed(guide_row_t *row, const task_t *task, const joint_t *join
     row->total_deg = fmax(row->total_deg, step + ripple + NOISE_SIGMAS * noise);
 }
 
-/// The poles that observer and PLL share, without notches and further modes, whose damping is their
-/// width.
+/// The common poles of observer and PLL, without notches and further modes, because the damping of these is
+/// only their width.
 static void note_poles(guide_row_t *row, const lode_estimator_tuning_t *tuning,
                        double omega_rad_s) {
     double complex poles[JOINT_STATES_MAX];
@@ -173,7 +173,7 @@ bool guide_fits(const guide_row_t *row) {
 
 // ---- The table ------------------------------------------------------------------------------------
 
-/// The smallest k2, stable and well damped, whose sum of errors is nearly the least.
+/// The smallest stable and well damped k2 whose sum of errors is near the minimum.
 static double recommend(const task_t *task, double most_rad_s) {
     const double first = fmax(1.0, task->guide->sigma_rad_s);
     double least = HUGE_VAL;
@@ -214,7 +214,7 @@ static void fill_rows(guide_t *guide, const task_t *task, double most_rad_s) {
     qsort(guide->row, (size_t)guide->rows, sizeof guide->row[0], by_k2);
 }
 
-/// What it has to stand, at which speeds.
+/// The disturbances, and the range of speeds.
 static void set_task(guide_t *guide, const rig_config_t *config) {
     const lode_drive_config_t *drive = &config->drive;
     const rig_plant_t *plant = &config->plant;
@@ -243,7 +243,7 @@ void guide_compute(guide_t *guide, const rig_config_t *config) {
     }
     lode_estimator_tuning_t tuning;
     if (lode_estimator_tune(&tuning, estimator, &drive.motor, ts) != LODE_OK) {
-        return; // an FA-LESO that nobody asked for
+        return; // no FA-LESO is configured
     }
     set_task(guide, config);
     const task_t task = {guide, &drive, &tuning};

@@ -4,16 +4,16 @@
 
 #include "support/units.h"
 
-/// Of the speed: an error beyond it loses the lock by the EMF's size (P17).
+/// Share of the speed: a larger error loses the lock, which checks the EMF's amplitude (P17).
 #define SPEED_ERROR_MAX 0.4
-/// Largest angle error by a step of the acceleration, times sigma^2 (P7): s/(s + sigma)^3 has it at 2/sigma.
+/// Largest angle error after a step of the acceleration, times sigma^2 (P7): that of s/(s + sigma)^3 at t = 2/sigma.
 #define PEAK_THIRD_ORDER (2.0 * exp(-2.0))
 
 static bool is_third_order(const lode_drive_config_t *config) {
     return config->estimator.pll.kind == LODE_PLL_LESO;
 }
 
-/// Bandwidth by the EMF at a speed (P11).
+/// Bandwidth with the EMF at a speed (P11).
 static double sigma_at(const lode_pll_config_t *pll, double ts, double omega) {
     const double low = -expm1(-(double)pll->sigma_low_rad_s * ts);
     const double high = -expm1(-(double)pll->sigma_rad_s * ts);
@@ -54,7 +54,7 @@ injection_t injection_of(const lode_drive_config_t *config) {
                           (double)inverter->v_drop_V;
     const double ripple_A = V * ts / Ld;
     const double noise_bandwidth = is_third_order(&asked) ? 33.0 / 16.0 : 5.0 / 4.0;
-    // (H7), (H8), of signs at random (H22)
+    // (H7), (H8), for random signs (H22)
     const double density = hfi->silent == LODE_ON ? 2.0 : 8.0 / 3.0;
     const double sample_rad =
         sqrt(6.0) / 2.0 * (double)hfi->noise_A / V * Ld / ts * (more + 1.0) / more;

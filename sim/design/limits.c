@@ -21,7 +21,7 @@ typedef struct {
     bool third_order;
 } notched_t;
 
-/// With the notch at a multiple of sigma.
+/// The margin with the notch at a multiple of sigma.
 static loop_ratio_t with_notch(const notched_t *n, double per_sigma) {
     const loop_ratio_t notch = loop_notch_sampled(n->k, per_sigma * n->sigma_rad_s, n->ts_s);
     const loop_ratio_t pll = loop_pll_sampled(n->sigma_rad_s, n->third_order, n->ts_s);
@@ -94,7 +94,7 @@ static bool gi_unstable(const lode_estimator_tuning_t *tuning, double omega, dou
     return !(joint_radius(&joint) < 1.0);
 }
 
-/// The least sigma up to w0/5 that is unstable at any speed.
+/// The least sigma up to w0/5 that is unstable at some speed.
 static double gi_limit(const lode_estimator_tuning_t *tuning, double most, double omega_max,
                        double *where) {
     for (double sigma = 5.0; sigma <= most; sigma *= SIGMA_RATIO) {
@@ -149,7 +149,7 @@ int limits_routh_wrong(int cases) {
         const double complex half = 0.5 * (a1 + I * b1);
         const double complex root = csqrt(half * half - (a2 + I * b2));
         const double last = fmax(creal(-half + root), creal(-half - root));
-        // On the edge rounding decides.
+        // At the limit rounding decides.
         if (fabs(last) > 1.0e-6) {
             wrong += routh_complex_second_order(a1, b1, a2, b2) != (last < 0.0) ? 1 : 0;
         }

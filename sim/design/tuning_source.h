@@ -10,12 +10,12 @@
 
 #include "lodestar/drive.h"
 
-/// The constant's name: that of the file, without folders and ending. False after a message where that is
-/// no name in C, or longer than `size`.
+/// The constant's name: that of the file, without folders and extension. False after a message if that is not a
+/// C identifier, is taken, or is longer than `size`.
 bool tuning_source_name(char *name, size_t size, const char *path);
 
-/// `from`: by which command and from what it was written; that and what of `config` is assumed stand in a
-/// comment.
+/// `from`: the command that wrote it and its input files; this and the assumed values of `config` are written
+/// as a comment.
 void tuning_source_print(FILE *file, const char *name, const lode_drive_tuning_t *tuning,
                          const rig_config_t *config, const char *from);
 

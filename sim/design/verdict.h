@@ -1,4 +1,4 @@
-/// What a design amounts to: speeds that are reached, load steps that are stood, margins, and what to change.
+/// The verdict on a design: speed range, largest load steps, margins, and what to change.
 #ifndef RIG_DESIGN_VERDICT_H
 #define RIG_DESIGN_VERDICT_H
 
@@ -10,12 +10,12 @@
 enum { VERDICT_LOW, VERDICT_HIGH, VERDICT_SPEEDS };
 enum { VERDICT_CHANGES_MAX = 12, VERDICT_TEXT = 256 };
 
-/// The largest load that may come at once (K18).
+/// The largest load step (K18).
 typedef struct {
-    double omega_rad_s; ///< electrical speed at which it comes
+    double omega_rad_s; ///< electrical speed at which it occurs
     double torque_Nm;
     double share;    ///< of the torque of i_max/1.5 at id = 0
-    bool by_current; ///< i_max bounds it, not the speed that it takes
+    bool by_current; ///< limited by i_max, not by the speed dip
 } verdict_step_t;
 
 typedef struct {
@@ -25,18 +25,18 @@ typedef struct {
 
 typedef struct {
     double lowest_rad_s;  ///< electrical; 0 with injection
-    double highest_rad_s; ///< that voltage and estimator both allow
+    double highest_rad_s; ///< allowed by both voltage and estimator
     double rated_torque_Nm;
-    verdict_step_t step
-        [VERDICT_SPEEDS]; ///< at the hand-over or, where that is higher, the least speed; at base speed
+    verdict_step_t
+        step[VERDICT_SPEEDS]; ///< at the higher of hand-over speed and least speed; at base speed
     double loop_rad_s
-        [VERDICT_SPEEDS]; ///< the same lowest speed by the EMF; rated speed, or the estimator's limit
+        [VERDICT_SPEEDS]; ///< the same lowest speed, with the EMF; rated speed or the estimator's limit
     own_margins_t loop[VERDICT_SPEEDS];
     int changes;
     verdict_change_t change[VERDICT_CHANGES_MAX];
 } verdict_t;
 
-/// Of a designed configuration, its tuning and its speeds.
+/// For a designed configuration, its tuning and its speeds.
 void verdict_compute(verdict_t *verdict, const lode_drive_config_t *drive,
                      const lode_drive_tuning_t *tuning, const speed_limits_t *speeds);
 

@@ -12,18 +12,18 @@
 #include "support/splitmix.h"
 #include "support/units.h"
 
-#define RATED_PER_MAX (1.0 / 1.5) // 100 % of current, of i_max
+#define RATED_PER_MAX (1.0 / 1.5) // current at 100 % torque, as a share of i_max
 #define BASE_SHARE 0.9            // room for a load step below base speed
 #define SLOW_SHARE 0.2            // of full speed
 #define PER_HANDOVER 1.5          // clear of the hand-over
-#define START_LOAD_SHARE 0.8      // mean plus ripple of the load at the start, of 100 %
-#define COAST_STEPS 10u           // up to rated speed
-#define LEAST_LOAD_SHARE 0.1      // with which a phase breaks
+#define START_LOAD_SHARE 0.8      // mean plus ripple of the load at the start, as a share of 100 %
+#define COAST_STEPS 10u           // steps of the initial speed, up to rated speed
+#define LEAST_LOAD_SHARE 0.1      // smallest load when a phase breaks
 #define NOISE_COUNTS 0.5          // rms, of a current
 #define OFFSET_SHARE 0.01         // of the ADC's range; calibrated before the start
 #define GAIN_SHARE 0.02
 
-/// Ranges, of what the drive believes over the truth; of R and J the other way round.
+/// Ranges of the parameters of the drive over the true ones; for R and J the reverse.
 typedef struct {
     double R_low, R_high;
     double L_share, psi_share;
@@ -71,7 +71,7 @@ bool mc_machine_load(mc_machine_t *machine, const char *name, int sets, const ch
     return true;
 }
 
-/// SplitMix64, begun from the name and the seed: machines do not share their luck.
+/// SplitMix64, started from the name and the seed, so that machines draw independently.
 static uint64_t begin(const char *name, uint64_t seed) {
     uint64_t hash = UINT64_C(0xCBF29CE484222325); // FNV-1a
     for (; *name != '\0'; ++name) {
@@ -88,11 +88,11 @@ static double either_way(uint64_t *state, double share) {
     return between(state, -share, share);
 }
 
-/// What the drive believes of motor and inverter.
+/// Draws the parameters of motor and inverter in the drive.
 static void tell_wrong(lode_drive_config_t *drive, const ranges_t *ranges, uint64_t *state) {
     lode_motor_t *motor = &drive->motor;
     lode_inverter_config_t *inverter = &drive->inverter;
-    // A data sheet with one inductance is wrong by one factor.
+    // A data sheet with one inductance has one error for both axes.
     const bool round = !(motor->Ld_H < motor->Lq_H) && !(motor->Ld_H > motor->Lq_H);
     const double R = between(state, ranges->R_low, ranges->R_high);
     const double Lq = 1.0 + either_way(state, ranges->L_share);
@@ -109,7 +109,7 @@ static void tell_wrong(lode_drive_config_t *drive, const ranges_t *ranges, uint6
     inverter->dead_time_s = (float)fmax(told_s, 0.0);
 }
 
-/// The truth that is drawn: angle, inertia, and what the board's sensors have.
+/// Draws the true values: angle, inertia, and the errors of the board's sensors.
 static void draw_truth(rig_config_t *truth, const ranges_t *ranges, uint64_t *state) {
     rig_plant_t *plant = &truth->plant;
     plant->theta0_deg = either_way(state, 180.0);
@@ -121,8 +121,8 @@ static void draw_truth(rig_config_t *truth, const ranges_t *ranges, uint64_t *st
     }
 }
 
-/// Commissioning of the drive that was told wrong, with a free shaft. Takes what it found in place of what was told;
-/// returns why there is nothing to take, or NULL.
+/// Commissioning of the drive with the wrong parameters and a free shaft. Uses the measured values in place of
+/// them; returns why there are none, or NULL.
 static const char *commission(rig_config_t *told, const plant_config_t *truth) {
     static commission_run_t run; // large
     plant_config_t plant = *truth;
@@ -149,7 +149,7 @@ static const char *commission(rig_config_t *told, const plant_config_t *truth) {
     return NULL;
 }
 
-/// A row of seeds goes through all speeds, of either direction.
+/// Consecutive seeds go through all speeds, in both directions.
 static double coast_share(uint64_t seed) {
     return (double)(seed % (2u * COAST_STEPS + 1u)) / COAST_STEPS - 1.0;
 }
@@ -171,7 +171,7 @@ bool mc_draw(mc_case_t *one, const mc_machine_t *machine, mc_test_t test, mc_err
     const ranges_t ranges = ranges_of(errors);
     uint64_t state = begin(machine->name, seed);
     double none = 0.0;
-    rig_config_t *truth = &one->told; // in its place until the plant is made
+    rig_config_t *truth = &one->told; // holds the true values until the plant is made
     *truth = machine->given;
     truth->scenario.seed = (double)(state >> 11);
     draw_truth(truth, &ranges, &state);

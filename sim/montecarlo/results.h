@@ -1,4 +1,4 @@
-/// The rows of a campaign: kept, written, read again, and held against the bars.
+/// The rows of a campaign: storage, writing, reading, and comparison with the bars.
 #ifndef MONTECARLO_RESULTS_H
 #define MONTECARLO_RESULTS_H
 
@@ -9,7 +9,7 @@
 
 enum { MC_MOTORS_MAX = 64 };
 
-/// What a campaign is; with the same, cases have the same numbers.
+/// The definition of a campaign. Equal definitions give equal case numbers.
 typedef struct {
     mc_test_t test;
     mc_errors_t errors;
@@ -17,11 +17,11 @@ typedef struct {
     uint64_t seed;  ///< the first
     int motors;
     char motor[MC_MOTORS_MAX][NAMES_LENGTH];
-    bool named[MC_MOTORS_MAX]; ///< as one without usable EMF, by design
-    char sets[512];            ///< of --set, for the command that runs a case again
+    bool named[MC_MOTORS_MAX]; ///< reported by `design` as without usable EMF
+    char sets[512];            ///< the --set options, for the command that repeats a case
 } mc_campaign_t;
 
-/// A case without a row has done == 0.
+/// A case without a result has done == 0.
 typedef struct {
     uint_least8_t done, passed, listed;
     uint64_t periods;
@@ -38,7 +38,7 @@ typedef struct {
 const char *mc_test_name(mc_test_t test);
 const char *mc_errors_name(mc_errors_t errors);
 
-/// False after a message: no memory. `campaign` must be filled.
+/// False after a message if out of memory. `campaign` must be filled.
 bool mc_results_init(mc_results_t *self);
 void mc_results_free(mc_results_t *self);
 
@@ -46,20 +46,20 @@ uint64_t mc_results_size(const mc_results_t *self);
 
 void mc_results_take(mc_results_t *self, uint64_t number, const mc_result_t *result);
 
-/// A line for a case that failed, with the command that runs it again.
+/// Prints a line for a failed case, with the command that repeats it.
 void mc_results_print_failure(FILE *file, const mc_results_t *self, uint64_t number);
 
-/// The table. True where the bars hold; cases that are missing do not count.
+/// Prints the table. True if the bars hold; missing cases do not count.
 bool mc_results_print(FILE *file, const mc_results_t *self);
 
 /// {test, errors, n, seed, motors, named, rows}, a row per line.
 void mc_results_write(FILE *file, const mc_results_t *self);
 
-/// Adds a file to `self`, which the first one makes. False after a message: it is no such file, of another
-/// campaign, or has a row that is there already.
+/// Adds a file to `self`, which the first file creates. False after a message: not such a file, of another
+/// campaign, or with a row that `self` already has.
 bool mc_results_merge(mc_results_t *self, const char *path);
 
-/// False after a message: a case has no row.
+/// False after a message if a case has no row.
 bool mc_results_complete(const mc_results_t *self);
 
 #endif

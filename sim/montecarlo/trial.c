@@ -8,28 +8,30 @@
 #include "rig/runner.h"
 #include "support/units.h"
 
-// Windows. They say what a pass is, and are not to be moved.
-#define SPEED_SHARE 0.05 // of the command: a speed is reached
-#define HOLD_s 0.1       // for so long on end
-#define MEAN_s 0.01 // of a speed; where the load swings within a turn, over a turn of the shaft
+// Limits that define a pass. Do not change them.
+#define SPEED_SHARE 0.05 // a speed within this share of the command is reached
+#define HOLD_s 0.1       // for this time without interruption
+#define MEAN_s                                                                                     \
+    0.01 // averaging time of the speed; a turn of the shaft if the load pulsates within a turn
 #define REVERSE_MAX_deg 200.0 // electrical, against the command, at the start
-#define LIMITED_SHARE 0.1     // of HOLD_s: torque at its limit is the cause of a speed not reached
-#define NOTICE_s 0.1          // within which a fault follows an angle that is of no use
+#define LIMITED_SHARE                                                                              \
+    0.1 // share of HOLD_s with the torque at its limit that explains a speed not reached
+#define NOTICE_s 0.1 // a fault must follow an unusable angle within this time
 #define SETTLE_s 2.0
 #define SETTLE_PER_BANDWIDTH 20.0 // of speed control
-#define TORQUE_RESERVE 6.0        // over the time that i_max and no load would take
+#define TORQUE_RESERVE 6.0        // factor on the time with i_max and no load
 #define RIPPLE_SHARE 0.1          // of 100 % torque: the reference at a steady load
 #define RIPPLE_LOAD_SHARE 0.2
 #define RIPPLE_s 0.3
-#define QUIET_PERIODS 20000 // of the same speed and load
-#define TOLD_PERIODS 16u    // from one look at telemetry to the next
-enum { GLIDE_STEPS = 100 }; // of a gentle change
+#define QUIET_PERIODS 20000 // periods with the same speed and load
+#define TOLD_PERIODS 16u    // periods from one reading of telemetry to the next
+enum { GLIDE_STEPS = 100 }; // steps of a gradual change
 #define CATCH_s 0.05        // a rotor that turns already is caught within this time ...
 #define CATCH_TURNS 2.0     // ... or so many electrical turns, whichever is longer
 #define FOUND_s 0.05        // an open phase is found within this time ...
-#define FOUND_TURNS 1.2     // ... or so much of an electrical turn, whichever is longer
-#define LOOKED_s 1.0        // for what is late
-#define KICK_s 5.0e-3       // afterwards, in which its peak current still counts
+#define FOUND_TURNS 1.2     // ... or this number of electrical turns, whichever is longer
+#define LOOKED_s 1.0        // observation time for a late fault
+#define KICK_s 5.0e-3       // time after the catch in which the peak current still counts
 #define LISTED_s 0.01
 #define LISTED_SHARE 0.5
 
@@ -44,12 +46,12 @@ typedef struct {
     double ts_s;
     double command_m_rad_s;
     double mean_m_rad_s;            ///< of the true speed
-    double turned_m_rad, turning_s; ///< of the turn at hand
+    double turned_m_rad, turning_s; ///< of the present turn
     double travelled_rad;           ///< electrical, in the commanded direction, since the start
     double lowest_rad;
-    double limited;   ///< share of the last HOLD_s with the torque at its limit, as telemetry tells
-    bool raised;      ///< the commanded speed is below the least, as telemetry tells
-    double useless_s; ///< since the angle became of no use; below 0: it is not
+    double limited;   ///< share of the last HOLD_s with the torque at its limit, from telemetry
+    bool raised;      ///< the commanded speed is below the least speed, from telemetry
+    double useless_s; ///< time since the angle became unusable; below 0: it is usable
     bool ran;
     const char *what; ///< the present part of the trial
 } trial_t;
@@ -74,7 +76,7 @@ static void fail_by_fault(trial_t *trial) {
     fail(trial, true, cause);
 }
 
-/// Low-passed, or its mean over the last whole turn.
+/// The low-passed speed, or its mean over the last whole turn.
 static void follow_speed(trial_t *trial, double turned_e_rad) {
     const double np = trial->machine->np;
     trial->turned_m_rad += turned_e_rad / np;
@@ -94,7 +96,7 @@ static void follow_angle(trial_t *trial, double turned_e_rad) {
     trial->lowest_rad = fmin(trial->lowest_rad, trial->travelled_rad);
 }
 
-/// False where an angle of no use has gone unnoticed. `ran`: the period's estimate was that of RUN.
+/// False if an unusable angle has gone unnoticed. `ran`: the period's estimate was that of RUN.
 static bool follow_error(trial_t *trial, bool ran) {
     if (!ran || mode_of(trial) != LODE_MODE_RUN) {
         trial->useless_s = -1.0;
@@ -112,7 +114,7 @@ static bool follow_error(trial_t *trial, bool ran) {
     return trial->useless_s < NOTICE_s;
 }
 
-/// What a user's telemetry says of a speed that is not had.
+/// The reason for a speed not reached that telemetry gives to a user.
 static void follow_telemetry(trial_t *trial) {
     lode_telemetry_t telemetry;
     if (trial->rig.drive->steps % TOLD_PERIODS != 0u ||
@@ -164,7 +166,7 @@ static bool wait(trial_t *trial, double time_s) {
     return good;
 }
 
-/// Waits until the speed is there, and stays, in RUN.
+/// Waits until the speed is reached and held, in RUN.
 static bool settle(trial_t *trial, double limit_s) {
     double held_s = 0.0;
     for (double left_s = limit_s; left_s > 0.0; left_s -= trial->ts_s) {
@@ -198,7 +200,7 @@ static void command(trial_t *trial, double omega_e_rad_s) {
     (void)lode_drive_post_command(trial->rig.drive, &run);
 }
 
-/// To the electrical speed, in the case's direction.
+/// Runs to the electrical speed, in the case's direction.
 static bool go(trial_t *trial, const char *what, double omega_e_rad_s) {
     const double before = trial->command_m_rad_s;
     const bool turns_back = before * trial->one->direction * omega_e_rad_s < 0.0;
@@ -209,13 +211,13 @@ static bool go(trial_t *trial, const char *what, double omega_e_rad_s) {
     return settle(trial, start_s + settle_limit_s(trial, trial->command_m_rad_s - before));
 }
 
-/// Unanswered, the step would halve the speed in no time.
+/// Without a response of the control, the step would halve the speed within 10 ms.
 static bool is_listed(const trial_t *trial, double torque_Nm) {
     return fabs(torque_Nm) / trial->one->plant.J_kgm2 * LISTED_s >
            LISTED_SHARE * fabs(trial->command_m_rad_s);
 }
 
-/// A load against the commanded speed, and back to none. 100 % is torque_Nm.
+/// A load against the commanded speed, and then none. 100 % is torque_Nm.
 static bool load_step(trial_t *trial, const char *what, double share) {
     const double torque_Nm = share * trial->machine->torque_Nm;
     const double omega = trial->command_m_rad_s;
@@ -237,7 +239,7 @@ static void load_passive(trial_t *trial, double share) {
     plant_set_load(&trial->rig.plant, share * trial->machine->torque_Nm);
 }
 
-/// From one passive load to another: at once, but where such a step is listed, gently.
+/// Changes from one passive load to another: in a step, or gradually if such a step is listed as too large.
 static bool change_load(trial_t *trial, const char *what, double from, double to) {
     if (!is_listed(trial, (to - from) * trial->machine->torque_Nm)) {
         load_passive(trial, to);
@@ -273,7 +275,7 @@ static bool is_calm(trial_t *trial) {
         low = fminf(low, torque);
         high = fmaxf(high, torque);
     }
-    // A load that swings by itself is answered.
+    // Speed control responds to a load that pulsates by itself.
     if (!(trial->one->plant.load_ripple > 0.0) &&
         (double)(high - low) > RIPPLE_SHARE * trial->machine->torque_Nm) {
         fail(trial, false, "torque reference swings");
@@ -331,7 +333,7 @@ static bool all_changes(trial_t *trial) {
            change_load(trial, "50 % load", 0.0, 0.5) && go(trial, "reversal, 50 % load", slow);
 }
 
-// ---- A rotor that turns already ------------------------------------------------------------------
+// ---- A rotor that already turns ------------------------------------------------------------------
 
 static bool is_turned(const trial_t *trial) {
     return mode_of(trial) == LODE_MODE_START &&
@@ -353,8 +355,8 @@ static bool calibrate(trial_t *trial) {
     return wait(trial, 4.0 * trial->ts_s);
 }
 
-/// From the command on, until the drive runs by an angle that is right, or turns a vector of its own. False: it
-/// has failed.
+/// From the command until the drive runs with a correct angle or starts with a current vector of its own.
+/// False: it has failed.
 static bool is_caught(trial_t *trial) {
     const double coast = fabs(trial->one->coast_e_rad_s);
     const double limit_s = fmax(CATCH_s, CATCH_TURNS * 2.0 * RIG_PI / fmax(coast, 1.0e-3));
@@ -408,9 +410,9 @@ static bool fly(trial_t *trial) {
                              settle_limit_s(trial, 2.0 * trial->command_m_rad_s));
 }
 
-// ---- Nothing to trip for ------------------------------------------------------------------------
+// ---- No reason to trip ------------------------------------------------------------------------
 
-/// To a speed and a passive load, of 100 %, in small steps that speed control follows.
+/// To a speed and a passive load, as a share of 100 %, in small steps that speed control follows.
 static bool glide(trial_t *trial, double omega_e_rad_s, const double share[2]) {
     const double from = trial->command_m_rad_s * trial->machine->np;
     const double to = trial->one->direction * omega_e_rad_s;
@@ -491,7 +493,7 @@ static bool after_start(trial_t *trial, mc_test_t test) {
         return all_quiet(trial);
     case MC_OPEN_PHASE:
         return open_phase(trial);
-    case MC_FLY: // begins otherwise
+    case MC_FLY: // starts differently
     case MC_START:
     default:
         return true;

@@ -95,8 +95,8 @@ static bool is_in(const analyse_curve_t *curve, const char *figure) {
     return figure != NULL && strcmp(curve->figure, figure) == 0;
 }
 
-/// Rows "frequency gain phase" of every curve of the picture; frequency in rad/s, or |Hz| with an
-/// empty line between the halves.
+/// Writes rows "frequency gain phase" of every curve of the picture; frequency in rad/s, or |Hz| with an empty
+/// line between the halves.
 static void send_curve(FILE *script, int number, const analyse_curve_t *curve,
                        const plot_bode_t *picture) {
     const bool two_sided = picture->two_sided;
@@ -104,7 +104,7 @@ static void send_curve(FILE *script, int number, const analyse_curve_t *curve,
     phase -= picture->falls_from_270 && phase > RIG_PI / 3.0 ? 2.0 * RIG_PI : 0.0;
     (void)fprintf(script, "$c%d << END\n", number);
     for (int k = 0; k < ANALYSE_POINTS; ++k) {
-        if (k > 0) { // across a zero on the axis the phase rises
+        if (k > 0) { // the phase rises across a zero on the axis
             const double step = carg(curve->value[k] / curve->value[k - 1]);
             phase += step < -2.6 ? step + 2.0 * RIG_PI : step;
         }
@@ -134,7 +134,7 @@ static void send_poles(FILE *script, const analyse_t *analysis, const char *figu
 static void plot_curves(FILE *script, const analyse_t *analysis, const char *figure, const char *x,
                         int column) {
     static const char *const colours[] = {"1f5fa8", "c8372d", "2f8f4e", "d98200"};
-    // Theory broad and pale, what runs thin over it, misprints dotted.
+    // Theory is broad and pale, sampled curves are thin over it, misprints are dotted.
     static const char *const alpha[] = {"90", "00", "50"};
     static const char *const style[] = {"lw 5 dt 1", "lw 1.4 dt 1", "lw 1.2 dt 3"};
     static const char *const name[] = {"theory", "sampled", "as printed"};
@@ -154,7 +154,7 @@ static void plot_curves(FILE *script, const analyse_t *analysis, const char *fig
     (void)fputc('\n', script);
 }
 
-/// The frequencies of one column: those of its first curve, which is theory where there is any.
+/// Frequency range of one column: that of its first curve, which is theory if there is one.
 static void set_x(FILE *script, const plot_bode_t *picture, int column, const analyse_t *analysis) {
     const int first = picture->two_sided ? ANALYSE_POINTS / 2 + 1 : 0;
     const double unit = picture->two_sided ? 2.0 * RIG_PI : 1.0;
@@ -212,7 +212,7 @@ static void phase_panel(FILE *script, const plot_bode_t *picture, int column) {
 
 static void bode_column(FILE *script, const plot_bode_t *picture, const analyse_t *analysis,
                         int column, int columns) {
-    // Negative frequencies by their size, on an axis that runs backwards.
+    // Negative frequencies by magnitude, on a reversed axis.
     const char *x = picture->two_sided && column == 0 ? "(-$1)" : "1";
     (void)fputs("set logscale x\n", script);
     set_x(script, picture, column, analysis);

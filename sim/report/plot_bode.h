@@ -8,16 +8,16 @@
 #include "analyse/analyse.h"
 #include "support/plot.h"
 
-/// One picture: one or two figures side by side, and a map of poles where there are any of its name.
+/// One picture: one or two figures side by side, and a pole map if `poles` is set.
 typedef struct {
     const char *file; ///< name without folder
     const char *title;
     const char *figure[2]; ///< the second may be NULL
     const char *heading[2];
-    const char *poles;   ///< figure whose poles stand in the second column; NULL: none
+    const char *poles;   ///< figure whose poles are in the second column; NULL: none
     bool two_sided;      ///< negative frequencies in the first column, positive in the second
     double gain_dB[2];   ///< range of the gain
-    bool falls_from_270; ///< phases that begin above 60 degrees begin a turn lower
+    bool falls_from_270; ///< phases that begin above 60 degrees are drawn one turn lower
 } plot_bode_t;
 
 enum { PLOT_BODE_COUNT = 11 };

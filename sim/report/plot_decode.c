@@ -13,23 +13,23 @@ enum {
     FRAME_HEIGHT = 110,
     PANEL_HEIGHT = 150,
     PANEL_WIDTH = 850,
-    TURN_PIXELS = 3, ///< that an angle needs for a turn, to be drawn as lines
+    TURN_PIXELS = 3, ///< pixels per turn that an angle needs to be drawn as lines
     POINTS = 2400
 };
 
-// Apart from each other on white, also where red and green look alike.
+// Distinct colours on white, also for colour-blind readers.
 static const char *const colours[] = {"#1f5fa8", "#c8372d", "#2f8f4e", "#101010",
                                       "#d08a1d", "#7a4fa3", "#3aa6b9", "#8a8f94"};
 enum { COLOURS = sizeof colours / sizeof colours[0] };
 
-/// Time on the axis: since the event where there is one.
+/// Time on the axis: since the event if there is one.
 static double time_of(const decode_t *decoded, size_t row) {
     const double from_s = decoded->has_event ? decoded->t_s[decoded->event] : 0.0;
     return decoded->t_s[row] - from_s;
 }
 
-/// Channels of a group share an axis: those of one unit, but for what would dwarf the others or means
-/// something else.
+/// Channels of a group share an axis: those of one unit, except those with much larger values or another
+/// meaning.
 static const char *group_of(uint32_t channel) {
     const char *unit = channels_unit(channel);
     switch (channel) {
@@ -77,8 +77,8 @@ static void send_value(FILE *script, double value) {
 typedef struct {
     FILE *script;
     const decode_t *decoded;
-    bool drawn; ///< there is a point before
-    bool band;  ///< angles turn too fast for lines: all that they pass through is filled
+    bool drawn; ///< there is a previous point
+    bool band;  ///< angles turn too fast for lines: the range that they pass through is filled
     double before[LODE_CHANNELS_MAX];
 } pen_t;
 
@@ -87,7 +87,7 @@ static bool jumps(const pen_t *pen, uint32_t k, double value) {
            fabs(value - pen->before[k]) > RIG_PI;
 }
 
-/// Where an angle jumps from one end of its range to the other there is no line.
+/// No line is drawn where an angle wraps from one end of its range to the other.
 static void send_point(pen_t *pen, double t_s, const double value[LODE_CHANNELS_MAX]) {
     const uint32_t channels = pen->decoded->channels;
     bool breaks = false;
@@ -105,7 +105,7 @@ static void send_point(pen_t *pen, double t_s, const double value[LODE_CHANNELS_
     pen->drawn = true;
 }
 
-/// Whether frames are missing before a row, or the drive was started anew.
+/// True if frames are missing before a row, or the drive was restarted.
 static bool is_behind_gap(const decode_t *decoded, size_t row) {
     const double step_s = (double)decoded->decimation / decoded->f_pwm_Hz;
     return !(fabs(decoded->t_s[row] - decoded->t_s[row - 1] - step_s) < 0.5 * step_s);
@@ -116,7 +116,7 @@ typedef struct {
     size_t from, to;
 } rows_t;
 
-/// As wide as TURN_PIXELS, about the middle of a stretch, and not across a gap.
+/// TURN_PIXELS wide around the middle of a stretch, and not across a gap.
 static rows_t rows_about(const decode_t *decoded, size_t from, size_t to) {
     const size_t half = decoded->rows * TURN_PIXELS / (2u * PANEL_WIDTH);
     const size_t middle = from + (to - from) / 2u;
@@ -130,7 +130,7 @@ static rows_t rows_about(const decode_t *decoded, size_t from, size_t to) {
     return rows;
 }
 
-/// Whether an angle turns once or more in these rows: lines of such turns would run together.
+/// True if an angle turns once or more in these rows: the lines of such turns would merge.
 static bool turns_fast(const decode_t *decoded, uint32_t channel, rows_t rows) {
     double moved_rad = 0.0;
     for (size_t row = rows.from + 1u; row < rows.to; ++row) {
@@ -141,8 +141,8 @@ static bool turns_fast(const decode_t *decoded, uint32_t channel, rows_t rows) {
     return moved_rad > 2.0 * RIG_PI;
 }
 
-/// Least and largest value of each channel in a stretch, so that no peak gets lost; of an angle the first
-/// and the last, or where it turns too fast for lines all that it passes through about there.
+/// Smallest and largest value of each channel in a stretch, so that no peak is lost; for an angle the first and
+/// the last value, or the whole range if it turns too fast for lines.
 static void send_stretch(pen_t *pen, size_t from, size_t to) {
     const decode_t *decoded = pen->decoded;
     double low[LODE_CHANNELS_MAX];
@@ -187,7 +187,7 @@ static void send_rows(FILE *script, const decode_t *decoded) {
     (void)fputs("END\n", script);
 }
 
-/// All finite values of a panel, and some room: gnuplot warns of a range without extent.
+/// Range of all finite values of a panel plus a margin, because gnuplot warns of an empty range.
 static void send_range(FILE *script, const decode_t *decoded, const char *group) {
     const bool share = strcmp(group, "duty") == 0 || strcmp(group, "lock") == 0;
     double low = share ? 0.0 : INFINITY;
@@ -207,7 +207,7 @@ static void send_range(FILE *script, const decode_t *decoded, const char *group)
     (void)fprintf(script, "set yrange [%.6g:%.6g]\n", low - room, high + room);
 }
 
-/// gnuplot warns of a curve without a point.
+/// Skips a curve without a point, because gnuplot warns of it.
 static void send_curve(FILE *script, const decode_t *decoded, uint32_t channel) {
     for (size_t row = 0; row < decoded->rows; ++row) {
         if (isfinite(decoded->value[row * decoded->channels + channel])) {
@@ -218,7 +218,7 @@ static void send_curve(FILE *script, const decode_t *decoded, uint32_t channel) 
     (void)fputs("NaN", script);
 }
 
-/// The names that occur, at their places on the axis.
+/// Labels the axis with the names that occur.
 static void send_names(FILE *script, const decode_t *decoded, uint32_t channel) {
     bool seen[UINT8_MAX + 1] = {false};
     const char *separator = "set ytics (";

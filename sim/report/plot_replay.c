@@ -14,8 +14,8 @@ enum {
     POINTS = 2400
 };
 
-/// A stretch of rows with estimates becomes one point of every curve, with both extremes of the error.
-/// Without lock there is no angle and no speed to be drawn. Returns the largest error drawn.
+/// Draws a stretch of rows with estimates as one point of every curve, with both extremes of the error. Without
+/// lock no angle and no speed are drawn. Returns the largest error drawn.
 static double send_stretch(FILE *script, const recording_t *recording, const replay_t *replay,
                            size_t from, size_t to, double pole_pairs) {
     rig_stats_t error;

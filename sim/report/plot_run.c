@@ -9,7 +9,7 @@ enum { WIDTH = 1200, HEIGHT = 1220, TOP = 115, LEGEND = 180, PANELS = 6, POINTS 
 // With signal injection two more, of the same height.
 enum { PANELS_BY_WAVE = 8, HEIGHT_BY_WAVE = 1580 };
 
-/// Of a part of the plot's data that is there in RUN only, or not at all.
+/// A value that exists only in RUN, or not at all.
 static double shown(bool there, double value) {
     return there ? value : NAN;
 }
@@ -39,7 +39,7 @@ static void send_rows(FILE *script, const runlog_t *log) {
     (void)fputs("END\n", script);
 }
 
-/// Least and largest error of each stretch, so that no peak gets lost. Returns the largest of all.
+/// Writes the smallest and largest error of each stretch, so that no peak is lost. Returns the largest of all.
 static double send_errors(FILE *script, const runlog_t *log) {
     const size_t every = log->rows / POINTS + 1;
     double peak = 0.0;
@@ -137,7 +137,7 @@ static void send_emf(FILE *script) {
                 script);
 }
 
-/// Position errors by either source, and Lq: what is known of it beside what it is.
+/// Position errors from both sources, and Lq: the value in the drive and the true one.
 static void send_injection(FILE *script) {
     plot_panel(script, "position error [deg el.]");
     (void)fputs("set yrange [-30:30]\n"

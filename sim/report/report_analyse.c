@@ -11,7 +11,7 @@ static const char *const forms[] = {"theory", "sampled", "as printed"};
 
 // ---- Text -----------------------------------------------------------------------------------------
 
-/// Four digits or so.
+/// About four digits.
 static int digits_for(double size) {
     int digits = 3;
     for (double limit = 10.0; digits > 0 && size >= limit; limit *= 10.0) {
@@ -30,7 +30,7 @@ static void print_cell(FILE *file, double value) {
     }
 }
 
-/// What to know when reading a table, by how its name begins.
+/// Notes on the tables, by the beginning of their names.
 static const char *note_on(const char *table) {
     static const struct {
         const char *table, *note;
@@ -113,7 +113,7 @@ static void print_speeds(FILE *file, const analyse_t *analysis) {
         const analyse_speed_t *at = &analysis->at[k];
         (void)fprintf(file, "%8.1f rpm:", at->speed_rpm);
         for (int n = 0; n < at->poles; ++n) {
-            // Of a pair the upper one.
+            // Only the upper pole of a pair.
             if (cimag(at->pole[n]) > -1.0e-6 * cabs(at->pole[n])) {
                 (void)fprintf(file,
                               cimag(at->pole[n]) > 1.0e-6 * cabs(at->pole[n]) ? " %.2f+-%.2fj"

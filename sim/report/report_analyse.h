@@ -1,4 +1,4 @@
-/// What an analysis has given: text, CSV, JSON.
+/// The results of an analysis: text, CSV, JSON.
 #ifndef RIG_REPORT_ANALYSE_H
 #define RIG_REPORT_ANALYSE_H
 

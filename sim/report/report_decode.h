@@ -1,4 +1,4 @@
-/// What a recorder's octets hold: summary, CSV, JSON.
+/// The contents of a recorder's octets: summary, CSV, JSON.
 #ifndef RIG_REPORT_DECODE_H
 #define RIG_REPORT_DECODE_H
 

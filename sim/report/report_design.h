@@ -1,4 +1,4 @@
-/// What a design has given: text and JSON.
+/// The results of a design: text and JSON.
 #ifndef RIG_REPORT_DESIGN_H
 #define RIG_REPORT_DESIGN_H
 

@@ -1,4 +1,4 @@
-/// What a campaign of faults has found: table, page, JSON.
+/// The results of a fault campaign: table, page, JSON.
 #ifndef RIG_REPORT_FAULTS_H
 #define RIG_REPORT_FAULTS_H
 
@@ -16,7 +16,7 @@ typedef struct {
 /// A table in Markdown. Returns how many cases were silent.
 int report_faults_table(FILE *file, const report_faults_t *report);
 
-/// docs/faults.md around all tables.
+/// Writes docs/faults.md with all tables.
 void report_faults_page(FILE *file, const char *tables);
 
 cJSON *report_faults_json_root(void);

@@ -1,4 +1,4 @@
-/// The motor of a design in the terms of data sheets, and how plausible its figures are.
+/// The motor of a design in data-sheet quantities, and the plausibility of its values.
 #ifndef RIG_REPORT_MOTOR_H
 #define RIG_REPORT_MOTOR_H
 

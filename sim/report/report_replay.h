@@ -1,4 +1,4 @@
-/// What a replay has shown: table, CSV, JSON.
+/// The results of a replay: table, CSV, JSON.
 #ifndef RIG_REPORT_REPLAY_H
 #define RIG_REPORT_REPLAY_H
 
@@ -7,7 +7,7 @@
 #include "config/rig_config.h"
 #include "rig/replay.h"
 
-/// The values that the estimator ran with, and where each came from.
+/// The values that the estimator used, and the source of each.
 void report_replay_values(FILE *file, const rig_config_t *config);
 
 void report_replay_table(FILE *file, const rig_config_t *config, const recording_t *recording,

@@ -1,4 +1,4 @@
-/// What a run has shown: table, CSV, JSON.
+/// The results of a run: table, CSV, JSON.
 #ifndef RIG_REPORT_RUN_H
 #define RIG_REPORT_RUN_H
 
@@ -15,7 +15,7 @@ void report_run_csv(FILE *file, const runlog_t *log);
 void report_run_json(FILE *file, const rig_config_t *config, const runner_result_t *result,
                      const runlog_t *log);
 
-/// True if the drive faulted unasked, a bar was missed, or RUN was commanded and never reached.
+/// True if the drive faulted unexpectedly, a bar was missed, or RUN was commanded and never reached.
 bool report_run_failed(const runner_result_t *result);
 
 /// A mode's name without its prefix.

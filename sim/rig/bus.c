@@ -4,7 +4,7 @@
 
 #include "support/diag.h"
 
-#define LOOP_s 1e-3 // of the main loop
+#define LOOP_s 1e-3 // period of the main loop
 
 static float float_or_0(double x) {
     return isnan(x) ? 0.0f : (float)x;
@@ -25,7 +25,7 @@ static bool init_supply(bus_t *self, const rig_config_t *config) {
 static bool init_chopper(bus_t *self, const rig_config_t *config) {
     const rig_chopper_t *given = &config->chopper;
     const double all = given->on_V + given->full_V + given->R_Ohm + given->power_W +
-                       given->thermal_s; // NaN where one is unset
+                       given->thermal_s; // NaN if one is unset
     self->chops = !isnan(given->on_V) || !isnan(given->full_V) || !isnan(given->R_Ohm) ||
                   !isnan(given->power_W) || !isnan(given->thermal_s);
     if (!self->chops) {

@@ -1,5 +1,5 @@
-/// What keeps to the limits of the supply: the library's battery and regeneration current limits, as a main loop has
-/// them beside the drive, and its brake chopper, in the interrupt.
+/// Limits of the supply: the library's battery and regeneration current limits in the main loop, and its brake
+/// chopper in the interrupt.
 #ifndef RIG_BUS_H
 #define RIG_BUS_H
 
@@ -19,13 +19,13 @@ typedef struct {
     float v_bus_V_per_count;
 } bus_t;
 
-/// False after a message: what the library refuses of `config`.
+/// False after a message if the library refuses `config`.
 bool bus_init(bus_t *self, const rig_config_t *config);
 
-/// After a period: in those of the main loop the drive's torque is limited.
+/// Call after each period: in a period with a pass of the main loop it limits the drive's torque.
 void bus_limit(bus_t *self, lode_drive_t *drive);
 
-/// Duty of the chopper that follows from a sample of the bus.
+/// Duty of the chopper for a sample of the bus voltage.
 double bus_chop(bus_t *self, uint16_t v_bus_count);
 
 #endif

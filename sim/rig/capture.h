@@ -1,4 +1,4 @@
-/// The library's recorders beside a simulated drive, as they stand in firmware, and their octets in files.
+/// The library's recorders with a simulated drive, used as in firmware; their octets go to files.
 #ifndef RIG_CAPTURE_H
 #define RIG_CAPTURE_H
 
@@ -12,7 +12,7 @@
 enum { CAPTURE_RING_SLOTS = 64, CAPTURE_SCOPE_WORDS = 8192 };
 
 typedef struct capture {
-    FILE *ring_file; ///< NULL: none wanted
+    FILE *ring_file; ///< NULL: not wanted
     FILE *scope_file;
     lode_ring_t ring;
     lode_scope_t scope;
@@ -20,16 +20,16 @@ typedef struct capture {
     uint32_t scope_buffer[CAPTURE_SCOPE_WORDS];
 } capture_t;
 
-/// True if a recorder is asked for.
+/// True if a recorder is wanted.
 bool capture_wanted(const options_t *options);
 
 /// Opens the files and arms the scope. False after a message.
 bool capture_start(capture_t *self, const options_t *options, float f_pwm_Hz);
 
-/// One period: the interrupt's part after lode_drive_step(), then the thread's.
+/// One period: first the interrupt's part after lode_drive_step(), then the thread's part.
 void capture_step(capture_t *self, const lode_drive_t *drive);
 
-/// The rest of the ring, and the scope: as it goes over a wire when it is done, else as a dump.
+/// Writes the rest of the ring, and the scope: as it is sent if it is complete, else as a dump.
 void capture_finish(capture_t *self);
 
 #endif

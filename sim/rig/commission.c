@@ -7,15 +7,16 @@
 #include "config/schema.h"
 #include "rig/rig.h"
 
-/// Longer than all of its own time-outs together.
+/// Longer than all time-outs of the commissioning together.
 #define LONGEST_s 60.0
 
-/// What 1/L rises by per ampere, of an inductance at no current and one at `i_A`.
+/// Rise of 1/L per ampere, from an inductance without current and one at `i_A`.
 static double fall_1_A(double none_H, double at_H, double i_A) {
     return (none_H / at_H - 1.0) / i_A;
 }
 
-/// As the drive has them: d differential, to the current that holds; q flux over current, to i_max.
+/// Inductances as the drive defines them: d differential, up to the holding current; q flux over current, up to
+/// i_max.
 static void note_falls(commission_run_t *self, const rig_config_t *config) {
     const double hold_A = (double)commission_of(self)->current_A;
     const double i_max_A = (double)config->drive.inverter.i_max_A;
@@ -88,7 +89,7 @@ bool commission_run_on(commission_run_t *self, const rig_config_t *config,
                        const plant_config_t *truth) {
     plant_t plant;
     *self = (commission_run_t){.plant = *truth, .sets = rig_config_is_six(config) ? PLANT_SETS : 1};
-    (void)plant_init(&plant, &self->plant); // rig_config_plant() has tried
+    (void)plant_init(&plant, &self->plant); // rig_config_plant() has checked it
     note_truth(self, config);
     const lode_status_t status = init(self, config);
     if (status != LODE_OK) {
@@ -113,7 +114,7 @@ bool commission_run_on(commission_run_t *self, const rig_config_t *config,
     return true;
 }
 
-/// All but what may stay unsure, and what this machine does not have.
+/// All quantities but those that may stay unsure and those that this machine does not have.
 static bool is_taken_over(const commission_run_t *self, const char *key) {
     static const lode_commission_quantity_t may_be_unsure[] = {
         LODE_COMMISSION_B_Nms, LODE_COMMISSION_LQ_FALL_1_A, LODE_COMMISSION_LXY_H};
@@ -144,7 +145,7 @@ void commission_found(rig_config_t *found, const commission_run_t *self,
     }
     for (size_t k = 0; k < sizeof measured / sizeof measured[0]; ++k) {
         if (!is_taken_over(self, measured[k].key)) {
-            continue; // it stays as it was known
+            continue; // it keeps its previous value
         }
         const int row = rig_schema_find(rig_schema(), measured[k].section, measured[k].key);
         found->origin[row] = (rig_origin_t){.file = -1, .line = -1, .measured = true};

@@ -4,7 +4,7 @@
 
 enum { PARTS = 4 }; // w0 Ts/4 = 0.1 for the numbers of paper 1: 1e-6 of the state per part
 
-/// What changes, or its rate of change.
+/// The states, or their rates of change.
 typedef struct {
     double complex z1, z2, gi_band, gi_low;
     double notch_band, notch_low;
@@ -39,7 +39,7 @@ static state_t along(const state_t *from, const state_t *rate, double dt) {
     };
 }
 
-/// Rates of the observer. Returns the EMF that it shows.
+/// Rates of the observer. Returns its EMF.
 static double complex observe(const state_t *x, const euler_config_t *c, double complex u_V,
                               double complex i_A, state_t *rate) {
     const double complex error = x->z1 - i_A;
@@ -87,7 +87,7 @@ static state_t rates(const state_t *x, const euler_config_t *c, double complex u
     return rate;
 }
 
-/// One part: `i_A` at its beginning, `di_A` its change.
+/// One part: `i_A` at its start, `di_A` its change.
 static state_t part(const state_t *x, const euler_config_t *c, double complex u_V,
                     double complex i_A, double complex di_A, double dt) {
     const state_t k1 = rates(x, c, u_V, i_A);

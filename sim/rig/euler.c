@@ -19,7 +19,7 @@ static double complex generalised(euler_resonator_t *self, const euler_config_t 
     return out;
 }
 
-// Paper 1, eqs. 11, 12; with eqs. 9, 16 of paper 2 the same, and its G(s) beside w0^2.
+// Paper 1, eqs. 11, 12; the same as eqs. 9, 16 of paper 2, whose G(s) adds to w0^2.
 static double complex conventional(euler_t *self, const euler_config_t *c, double complex u_V,
                                    double complex i_A) {
     const double complex error = self->z1 - self->i_A;
@@ -46,7 +46,7 @@ static double complex adaptive(euler_t *self, const euler_config_t *c, double co
     return c->Lq_H * (c->k1_rad2_s2 * self->z2 + c->k2_rad_s * (self->z1 - i_A));
 }
 
-// Paper 1, eq. 34: what is left of x beside the band-pass at w.
+// Paper 1, eq. 34: x minus its band-pass at w.
 static double notch(euler_resonator_t *self, double k, double w, double ts_s, double x) {
     const double left = x - creal(self->band);
     self->band += ts_s * w * (k * left - self->low);
@@ -72,7 +72,7 @@ void euler_reset(euler_t *self, double complex i_A) {
 }
 
 void euler_hold(euler_t *self, const euler_config_t *config, double theta_rad, double omega_rad_s) {
-    // In forward Euler the state is that of t_k+1.
+    // In forward Euler the state is already that of t_k+1.
     const double ahead_s = config->continuous ? 0.0 : config->ts_s;
     self->theta_rad =
         theta_rad - euler_compensation_rad(config, omega_rad_s) + ahead_s * omega_rad_s;
@@ -111,7 +111,7 @@ euler_out_t euler_track(euler_t *self, const euler_config_t *config, double comp
     return out;
 }
 
-/// The state of t_k tells all: the EMF, the speed of eq. 14.
+/// The outputs follow from the state of t_k: the EMF, the speed of eq. 14.
 static euler_out_t continuous_step(euler_t *self, const euler_config_t *config, double complex u_V,
                                    double complex i_A) {
     continuous_advance(self, config, u_V, i_A);

@@ -1,12 +1,11 @@
 /// The papers' own forms of their estimators: forward Euler, in double, written from their equations.
 ///
-/// For comparison with the library's exact forms, of which nothing is used here. Paper 1: Jiang et al.,
+/// For comparison with the library's exact forms, which are not used here. Paper 1: Jiang et al.,
 /// Energies 2022, 15, 1943. Paper 2: Li, Hu, Ma, Liu, the frequency-adaptive observer (FA-LESO).
 ///
-/// They act as printed, which has consequences. There is no sign of speed in the phase detector (paper
-/// 1, eq. 13): at negative speed they lock half a turn off. There is no lock quality, no supervision
-/// and no range; what diverges goes on to infinity. Angles are not compensated but in the
-/// enhanced PLL, by paper 1, eq. 30.
+/// They act as printed. The phase detector has no sign of speed (paper 1, eq. 13): at negative speed they lock
+/// half a turn off. There is no lock quality, no supervision and no limit; a state that diverges goes to
+/// infinity. Angles are compensated only in the enhanced PLL, by paper 1, eq. 30.
 ///
 /// Forward Euler means x[k] = x[k-1] + Ts f(x[k-1], u[k-1], i[k-1]): at t_k the observer of the EMF
 /// has used the voltage over [t_k-1, t_k) and the current at t_k-1, the PLL the EMF at t_k-1. Only the
@@ -22,10 +21,10 @@
 /// No EMF, no motion; `i_A`: the current at t_k.
 void euler_reset(euler_t *self, double complex i_A);
 
-/// Puts the PLL where its compensated angle is `theta_rad` at t_k; the observer goes on.
+/// Sets the PLL so that its compensated angle is `theta_rad` at t_k; the observer continues.
 void euler_hold(euler_t *self, const euler_config_t *config, double theta_rad, double omega_rad_s);
 
-/// Puts the PLL on the EMF as it stands and turns. The papers start from an open loop instead, which a
+/// Sets the PLL to the present angle and speed of the EMF. The papers start from an open loop instead, which a
 /// recording does not have.
 void euler_acquire(euler_t *self, const euler_config_t *config);
 

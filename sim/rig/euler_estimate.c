@@ -4,7 +4,7 @@
 
 #include "support/units.h"
 
-// What has diverged beyond this is handed on as no number: a float may not hold it.
+// A value that has diverged beyond this becomes NaN, because a float may not hold it.
 #define DIVERGED 1.0e9
 
 bool euler_estimate_wanted(const rig_config_t *config) {

@@ -29,7 +29,7 @@ static double complex response(const euler_config_t *c, double w, double tuned) 
 }
 
 double complex euler_gain(const euler_config_t *config, double omega_rad_s, double tuned_rad_s) {
-    // The mean over the coming period stands half a period ahead.
+    // The mean over the coming period is half a period ahead.
     const double half = 0.5 * omega_rad_s * config->ts_s;
     const double shrinks = fabs(half) > 0.0 ? sin(half) / half : 1.0;
     return shrinks * cexp(I * half) * response(config, omega_rad_s, tuned_rad_s);

@@ -1,4 +1,4 @@
-/// What the papers' equations have in common, however they are integrated: settings, states, and single terms.
+/// Common parts of the papers' equations for every integration method: settings, states, and single terms.
 #ifndef RIG_EULER_TERMS_H
 #define RIG_EULER_TERMS_H
 
@@ -29,15 +29,15 @@ typedef struct {
     euler_pll_t pll;
     euler_lag_t compensation;
     double ts_s;
-    double sets; ///< of windings, 2 with the currents of the alpha-beta plane; 0: 1
+    double sets; ///< winding sets, 2 with the currents of the alpha-beta plane; 0: 1
     double pole_pairs, Rs_Ohm, Ld_H, Lq_H, psi_Wb, J_kgm2, B_Nms;
     double w0_rad_s;             ///< C, GI
     double gi_Kr, gi_wc_rad_s;   ///< GI
     double k1_rad2_s2, k2_rad_s; ///< FA
     double sigma_rad_s;
     double notch_k; ///< enhanced
-    /// QPLL: the speed is the output of the PI controller, as eq. 14 says. No drive runs on that with the
-    /// speed controller of Section 5: its ripple alone asks for the largest current.
+    /// QPLL: the speed is the output of the PI controller, as in eq. 14. No drive runs on that with the speed
+    /// controller of Section 5: its ripple alone makes the controller request the largest current.
     bool speed_of_eq14;
     /// The same equations integrated in continuous time (rig/continuous.h), not in forward Euler.
     bool continuous;
@@ -57,7 +57,7 @@ typedef struct {
     double theta_rad;           ///< of the PLL
     double omega_rad_s;         ///< QPLL: the integral part
     double f_rad_s2;            ///< third order: the disturbance
-    double omega_out_rad_s;     ///< what it says
+    double omega_out_rad_s;     ///< output speed of the PLL
     double complex e_V;         ///< estimated EMF
     double complex rotation_V2; ///< mean of e[k] conj(e[k-1])
 } euler_t;
@@ -70,14 +70,14 @@ typedef struct {
     double f_rad_s2;
 } euler_out_t;
 
-/// From an EMF that turns at `omega_rad_s` to the estimate of an observer that is tuned to
-/// `tuned_rad_s`, both at t_k, with no resistance.
+/// Response from an EMF that turns at `omega_rad_s` to the estimate of an observer tuned to `tuned_rad_s`, both
+/// at t_k, without resistance.
 double complex euler_gain(const euler_config_t *config, double omega_rad_s, double tuned_rad_s);
 
-/// Phase of the observer's output behind the EMF in steady rotation, rad, with no resistance.
+/// Lag of the observer's output behind the EMF in steady rotation, rad, without resistance.
 double euler_lag_rad(const euler_config_t *config, double omega_rad_s);
 
-/// What `config` adds to the angle of the PLL, rad.
+/// Compensation that `config` adds to the angle of the PLL, rad.
 double euler_compensation_rad(const euler_config_t *config, double omega_rad_s);
 
 /// Paper 1, eq. 13, normalised as in eq. 33.
@@ -87,7 +87,7 @@ double euler_phase_error(double complex e_V, double theta_rad);
 double euler_acceleration(const euler_config_t *config, double complex i_A, double rotor_rad,
                           double omega_rad_s);
 
-/// Paper 1, eq. 30, continued beyond w0, where its arc tangent jumps.
+/// Paper 1, eq. 30, continued beyond w0, where its arctangent jumps.
 double euler_eq30_rad(double w0_rad_s, double omega_rad_s);
 
 #endif

@@ -14,17 +14,17 @@
 #define CONTROL_SHARE 0.3
 #define SPEED_SHARE 0.1
 #define HEAT_K 10.0
-#define AFTER_s 0.02 // watched on after a fault was found
-#define RUN_s 1.0    // a fault while the drive runs
-#define START_s 3.0  // a fault before or in the start, beside its time-out
-#define REACH_s 30.0 // for a state without a fault
+#define AFTER_s 0.02 // observation time after a fault was found
+#define RUN_s 1.0    // observation time of a fault while the drive runs
+#define START_s 3.0  // observation time of a fault before or in the start, plus its time-out
+#define REACH_s 30.0 // time limit for reaching a state without a fault
 #define SETTLE_s 0.6
 #define LOAD_RAMP_s 1.0
-#define SETTLED_SHARE 0.06 // harmonics of the EMF ripple the speed
+#define SETTLED_SHARE 0.06 // allows for the speed ripple by EMF harmonics
 #define LOAD_SHARE 0.3     // of the torque of i_max
 #define LITTLE_SHARE 0.1
-#define FULL_SHARE 0.85  // of the base speed at most: what is left is for control
-#define WEAK_SHARE 0.5   // of the way from the base speed to what weakening allows
+#define FULL_SHARE 0.85  // largest share of the base speed: leaves voltage for control
+#define WEAK_SHARE 0.5   // of the way from the base speed to the weakened limit
 #define WEAK_MOST 1.5    // times the base speed
 #define LEAST_SHARE 1.25 // of the least speed
 
@@ -48,7 +48,7 @@ static bool runs(const rig_t *rig) {
     return rig->drive->mode == (uint_least8_t)LODE_MODE_RUN;
 }
 
-/// Runs on until the speed has settled at `speed_rad_s`.
+/// Runs until the speed has settled at `speed_rad_s`.
 static bool reach_speed(reach_t *self, double speed_rad_s) {
     double settled_s = 0.0;
     command(self->rig, speed_rad_s);
@@ -61,7 +61,7 @@ static bool reach_speed(reach_t *self, double speed_rad_s) {
     return settled_s >= SETTLE_s;
 }
 
-/// Slowly: a step would be another test.
+/// Slowly, because a step would be another test.
 static void load_with(reach_t *self, double load_Nm) {
     const double from_Nm = self->rig->plant.motor.load_Nm;
     for (double t_s = 0.0; t_s < LOAD_RAMP_s; t_s += self->nothing.ts_s) {
@@ -70,7 +70,7 @@ static void load_with(reach_t *self, double load_Nm) {
     }
 }
 
-/// Into the middle of the start's ramp.
+/// Runs to the middle of the start's ramp.
 static bool reach_start(reach_t *self, double handover_rad_s) {
     for (double t_s = 0.0; t_s < REACH_s; t_s += self->nothing.ts_s) {
         inject_step(&self->nothing, self->rig, &self->truth);
@@ -105,7 +105,7 @@ static bool reach_all(fault_bench_t *self) {
     for (int point = FAULT_AT_10; point < FAULT_POINTS; ++point) {
         rig_copy(&self->at[point], reach.rig);
         reach.rig = &self->at[point];
-        // Little where there is hardly an EMF, and where the voltage is used up.
+        // Small where the EMF is low or the voltage is used up.
         const bool little = point == FAULT_AT_10 || point == FAULT_AT_WEAKENING;
         const double share = little ? LITTLE_SHARE : LOAD_SHARE;
         const bool there =
@@ -159,7 +159,7 @@ static double largest_A(const plant_truth_t *truth) {
     return most;
 }
 
-/// The longest current vector of a set of three: an amplitude, whatever the phases have at this moment.
+/// The longest current vector of a winding set: an amplitude that does not depend on the momentary phase currents.
 static double longest_A(const plant_truth_t *truth) {
     double most_A2 = 0.0;
     for (int leg = 0; leg < PLANT_LEGS; leg += 3) {
@@ -169,9 +169,9 @@ static double longest_A(const plant_truth_t *truth) {
     return sqrt(most_A2);
 }
 
-/// How far a current is from the direction of its reference, or beyond the largest in it. Less of it makes less torque, as
-/// any limit does; more of it, within what the drive may ask for, more torque, as a load that goes away does: speed control
-/// takes it back, or the speed tells.
+/// Distance of a current from the direction of its reference, or beyond i_max in it. A current below its
+/// reference makes less torque, as any limit does. One above it, but within i_max, makes more torque, as a load
+/// that drops does: speed control corrects it, or the speed shows it.
 static double beyond_A(lode_dq_t ref_A, double i_max_A, double id_A, double iq_A) {
     const double d_A = (double)ref_A.d;
     const double q_A = (double)ref_A.q;
@@ -232,7 +232,8 @@ static fault_result_t run_one(const fault_bench_t *self, const inject_kind_t *ki
         result.back_deg = fmax(result.back_deg, -rig_deg_from_rad(turned_rad));
         if (isnan(result.found_s)) {
             result.harm |= harm_now(self, &rig, point, &truth, &last);
-            if (rig.drive->losses > losses) { // a start given up for lost, which telemetry tells
+            if (rig.drive->losses >
+                losses) { // a start attempt was given up, which telemetry reports
                 result.harm &= FAULT_HARM_DIP;
                 result.given_up++;
                 last = (lasting_t){.rotor_s = 0.0};
@@ -263,7 +264,7 @@ bool fault_is_silent(const fault_result_t *result) {
            (result->found == LODE_CHECK_NONE && (result->harm & ~FAULT_HARM_DIP) != 0);
 }
 
-/// The worse of two: silent, then unnoticed, then late.
+/// The worse of two results: silent, then not found, then found late.
 static bool is_worse(const fault_result_t *a, const fault_result_t *b) {
     if ((a->silent > 0) != (b->silent > 0)) {
         return a->silent > 0;

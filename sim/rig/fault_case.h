@@ -1,15 +1,15 @@
-/// What a drive makes of a fault: from a state that it has reached without one, until it has found the
-/// fault or some time is over.
+/// The response of a drive to a fault: from a state that it has reached without one, until it has found the
+/// fault or the observation time is over.
 #ifndef RIG_FAULT_CASE_H
 #define RIG_FAULT_CASE_H
 
 #include "rig/inject.h"
 
-/// Where the drive is when the fault comes.
+/// State of the drive when the fault begins.
 typedef enum {
-    FAULT_AT_STANDSTILL, ///< before calibration; then it is commanded to half speed
-    FAULT_AT_START,      ///< the current vector turns the rotor up
-    FAULT_AT_10,         ///< 10 % of full speed, or just above the least
+    FAULT_AT_STANDSTILL, ///< before calibration; then half speed is commanded
+    FAULT_AT_START,      ///< the current vector accelerates the rotor
+    FAULT_AT_10,         ///< 10 % of full speed, or just above the least speed
     FAULT_AT_50,
     FAULT_AT_100,
     FAULT_AT_WEAKENING,
@@ -23,12 +23,12 @@ typedef struct {
     rig_config_t config;
     plant_config_t plant;
     double full_rad_s;                ///< mechanical, 100 %
-    double speed_rad_s[FAULT_POINTS]; ///< commanded when the fault comes; 0: below RUN
+    double speed_rad_s[FAULT_POINTS]; ///< commanded when the fault begins; 0: below RUN
     bool left_out[FAULT_POINTS];      ///< the drive runs, but its speed does not settle
     rig_t at[FAULT_POINTS];
 } fault_bench_t;
 
-/// What was wrong while nothing was found; each held for 10 ms. All but the last make it silent.
+/// Harms while no fault was found; each held for 10 ms. Every one but the last makes the case silent.
 enum {
     FAULT_HARM_ROTOR = 1,   ///< the estimate is off by more than 60 degrees
     FAULT_HARM_CURRENT = 2, ///< a phase carries more than 1.2 i_max
@@ -36,32 +36,32 @@ enum {
                             ///< it, by more than 0.3 i_max
     FAULT_HARM_SPEED =
         8, ///< in the end the speed is off the commanded one by more than 10 % of full
-    FAULT_HARM_HEAT = 16,  ///< the power stage is hotter than its limit by 10 K
-    FAULT_HARM_STUCK = 32, ///< the drive neither runs at the end nor says why
+    FAULT_HARM_HEAT = 16,  ///< the power stage is 10 K above its limit
+    FAULT_HARM_STUCK = 32, ///< at the end the drive is not in RUN and reports no reason
     FAULT_HARM_DIP =
-        64 ///< the speed was off by as much for 0.1 s, and came back, as after a load step
+        64 ///< the speed was off by as much for 0.1 s and recovered, as after a load step
 };
 
-/// It passes through a pipe: no pointers.
+/// It passes through a pipe, so it holds no pointers.
 typedef struct {
-    lode_check_t found; ///< NONE: nothing
+    lode_check_t found; ///< NONE: not found
     double found_s;     ///< since the fault began; NaN
-    double peak_A;      ///< of a phase, in truth
+    double peak_A;      ///< largest true phase current
     double back_deg;    ///< largest turn against the commanded direction, mechanical
     int harm;           ///< FAULT_HARM_..., before it was found
-    int given_up; ///< starts given up for lost right after their hand-over, before it was found
-    int tried;    ///< of a kind that comes in many: how many; 0: the state is left out
-    int silent;   ///< ... and how many of them were silent
+    int given_up; ///< start attempts given up right after their hand-over, before the fault was found
+    int tried;    ///< number of variants tried; 0: the state is left out
+    int silent;   ///< number of variants that were silent
 } fault_result_t;
 
-/// Loads nothing: `config` is designed and accepted. False, after a message, where the drive does not
-/// start, or does not run on.
+/// `config` is already designed and accepted. False after a message if the drive does not start or does not
+/// keep running.
 bool fault_bench_init(fault_bench_t *self, const rig_config_t *config);
 
 fault_result_t fault_case_run(const fault_bench_t *self, const inject_kind_t *kind,
                               fault_point_t point, uint64_t seed);
 
-/// No fault although something was wrong.
+/// True if no fault was reported although something was wrong.
 bool fault_is_silent(const fault_result_t *result);
 
 #endif

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#define LOOP_s 1e-3 // of the main loop
+#define LOOP_s 1e-3 // period of the main loop
 
 static float float_or_0(double x) {
     return isnan(x) ? 0.0f : (float)x;

@@ -1,4 +1,4 @@
-/// What follows a fault: the library's supervisor and fault log, as a main loop has them beside the drive.
+/// Reactions to faults: the library's supervisor and fault log, used as in a main loop.
 #ifndef RIG_REACTIONS_H
 #define RIG_REACTIONS_H
 
@@ -11,7 +11,7 @@ enum { REACTIONS_FAULTS = 16 };
 
 /// Not to be copied: it points into itself.
 typedef struct {
-    bool on;        ///< some fault has another reaction than to coast, and to stay
+    bool on;        ///< some fault has a reaction other than to coast and latch
     uint32_t every; ///< periods from one pass of the main loop to the next
     float dt_s;     ///< the same
     lode_supervisor_config_t config;
@@ -21,11 +21,12 @@ typedef struct {
     lode_telemetry_t rows[LODE_FAULT_LOG_ROWS(REACTIONS_FAULTS, 1)];
 } reactions_t;
 
-/// `config` has been accepted, its values by their schema. LODE_OK, or what the library refuses of the motor.
+/// `config` has been accepted, and the schema has checked its values. LODE_OK, or why the library refuses the motor.
 lode_status_t reactions_init(reactions_t *self, const rig_config_t *config,
                              const lode_drive_t *drive);
 
-/// After a period: in those of the main loop what is wanted is posted, or what the supervisor makes of it.
+/// Call after each period: in a period with a pass of the main loop it posts the command, or the supervisor's
+/// version of it.
 void reactions_step(reactions_t *self, lode_drive_t *drive, lode_command_t wanted);
 
 #endif

@@ -1,4 +1,4 @@
-/// Recorded signals of a drive: a table in a text file, with a row per PWM period. Row k: currents, angle
+/// Recorded signals of a drive: a table in a text file, one row per PWM period. Row k: currents, angle
 /// and speed AT t_k, the mean voltage over [t_k, t_k+1). Columns, units and separators: sim/README.md.
 #ifndef RIG_RECORDING_H
 #define RIG_RECORDING_H
@@ -12,32 +12,32 @@ typedef struct {
     double u_alpha_V, u_beta_V;
     double i_alpha_A, i_beta_A;
     double theta_e_rad, omega_e_rad_s; ///< 0 where the file has none
-    bool after_gap; ///< rows are missing before this one: what acted until now is not known
+    bool after_gap; ///< rows are missing before this one: the voltage before it is not known
 } recording_row_t;
 
-/// How to read a file; all 0: as it stands.
+/// How to read a file; all 0: no change.
 typedef struct {
     const char *const *map; ///< --column NAME=COLUMN[:UNIT]
     int maps;
-    const char *separator; ///< NULL: seen from the header
+    const char *separator; ///< NULL: detected from the header
     const char *header;    ///< line of the header, or "none"; NULL: the first line with content
-    const char *data;      ///< line where the rows begin; NULL: behind the header
-    bool resample;   ///< uneven or faster rows are brought to even PWM periods, gaps are left open
-    double f_pwm_Hz; ///< of the drive, 0: not known
-    double pole_pairs; ///< for a mechanical speed
+    const char *data;      ///< line of the first row; NULL: after the header
+    bool resample;         ///< resample uneven or faster rows to even PWM periods; gaps stay
+    double f_pwm_Hz;       ///< of the drive, 0: not known
+    double pole_pairs;     ///< for a mechanical speed
 } recording_format_t;
 
 typedef struct {
     recording_row_t *row;
     size_t rows;
     bool has_theta, has_omega;
-    double ts_s; ///< time step, but for gaps
+    double ts_s; ///< time step, except at gaps
     size_t gaps;
-    double gaps_s;    ///< time that is missing
-    size_t resampled; ///< rows of the file that these were made from; 0: they are those of the file
+    double gaps_s;    ///< total time of the gaps
+    size_t resampled; ///< rows of the file before resampling; 0: not resampled
 } recording_t;
 
-/// Adds a row. False after a message where memory is out.
+/// Adds a row. False after a message if out of memory.
 bool recording_add(recording_t *self, size_t *capacity, const recording_row_t *row);
 
 void recording_free(recording_t *self);

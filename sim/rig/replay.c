@@ -11,11 +11,11 @@ static lode_ab_t vector(double alpha, double beta) {
     return (lode_ab_t){(float)alpha, (float)beta};
 }
 
-// Where nothing can be known: at the beginning, behind a gap, and with the gates off.
+// There is no estimate at the start, after a gap, and with the gates off.
 static const lode_estimate_t nothing_known = {.rotor = {0.0f, 1.0f}};
 
-// While the gates are off, and only then, the voltage is 0 to the bit, and the current too or, after a
-// fault, that of the row before. The drive estimates nothing there.
+// Only while the gates are off, the voltage is exactly 0, and the current is exactly 0 or, after a fault, that
+// of the previous row. The drive has no estimate then.
 static bool is_off(const recording_t *recording, size_t k) {
     if (k == 0) {
         return false;
@@ -43,7 +43,7 @@ static void estimate_rows(replay_t *self, const recording_t *recording,
             self->row[k] = lode_estimator_step(&estimator, tuning, u_V, i_A);
             self->reseeds += self->row[k].reseeded ? 1u : 0u;
         } else {
-            // The motor may be at work: the first rise of current is none.
+            // The motor may already run, so the first change of current does not count.
             lode_estimator_reset(&estimator, tuning);
             lode_emf_reset(&estimator.emf, i_A);
             self->row[k] = nothing_known;

@@ -7,7 +7,7 @@
 
 // Of the slow rounds' length: some 600 times a second at 5 kHz.
 #define MAIN_LOOP_PERIODS LODE_SLOW_PERIODS
-// Below it there is no chord.
+// Below this current the chord is not defined.
 #define CHORD_LEAST_A 1e-3
 
 static void begin_learning(rig_t *self, const rig_config_t *config) {
@@ -19,7 +19,7 @@ static void begin_learning(rig_t *self, const rig_config_t *config) {
     }
 }
 
-/// As the firmware does it: beside the tuning that is in use, or that the adaptation goes by.
+/// As in firmware: a tuning other than the one in use or that of the adaptation.
 static lode_drive_tuning_t *spare_tuning(rig_t *self) {
     const lode_drive_tuning_t *used =
         self->adapts ? self->adaptation.machine.base : self->three.tuning;
@@ -47,7 +47,7 @@ static lode_status_t post6(rig_t *self, const lode_drive6_tuning_t *next) {
     return lode_drive6_post_tuning(&self->six, next);
 }
 
-#define ADAPT_EVERY_s 1e-3 // a main loop
+#define ADAPT_EVERY_s 1e-3 // period of the main loop
 
 static lode_choice_t choice(int on) {
     return on == 1 ? LODE_ON : LODE_OFF;
@@ -115,7 +115,7 @@ lode_status_t rig_retune(rig_t *self, const rig_config_t *config, const lode_mot
     if (status != LODE_OK) {
         return status;
     }
-    // What was learned is forgotten; the limits stay those of the motor as configured.
+    // The learned values are discarded; the limits stay those of the configured motor.
     const lode_learned_t now = {motor->Lq_H, motor->psi_Wb, 0.0f};
     if (self->learns) {
         lode_learn_begin(&self->learn, &self->learn_tuning, &drive, &now);
@@ -161,14 +161,14 @@ void rig_tell(const rig_t *self, lode_telemetry_t *telemetry) {
     } else if (self->adapts) {
         lode_adaptation_tell(&self->adaptation, telemetry);
     } else {
-        // nothing was found
+        // nothing was learned
     }
     if (self->learns) {
         lode_learn_tell(&self->learn, telemetry);
     }
 }
 
-// What points into `from` points to the same place of `to`.
+// Pointers into `from` become pointers to the same place in `to`.
 static const void *moved(rig_t *to, const rig_t *from, const void *pointer) {
     return pointer != NULL ? (const char *)to + ((const char *)pointer - (const char *)from) : NULL;
 }
@@ -178,7 +178,7 @@ static void move_adaptation(lode_adaptation_machine_t *machine, rig_t *to, const
     machine->posted = moved(to, from, machine->posted);
 }
 
-// All tunings are the rig's, or its adaptation's.
+// All tunings belong to the rig or to its adaptation.
 void rig_copy(rig_t *to, const rig_t *from) {
     *to = *from;
     to->drive = from->sets == PLANT_SETS ? &to->six.drive : &to->three;
@@ -196,7 +196,7 @@ void rig_copy(rig_t *to, const rig_t *from) {
         to->posts = moved(to, from, from->posts);
         move_adaptation(&to->adaptation.machine, to, from);
     } else {
-        // no more tunings
+        // no tuning follows
     }
 }
 
@@ -213,7 +213,7 @@ lode_counts_t rig_counts(const plant_counts_t *plant) {
 void rig_write_set(plant_t *plant, int set, const lode_drive_out_t *out) {
     const double duty[PLANT_PHASES] = {(double)out->duty.a, (double)out->duty.b,
                                        (double)out->duty.c};
-    plant_write_set(plant, set, duty, (plant_gates_t)out->gates); // the same three
+    plant_write_set(plant, set, duty, (plant_gates_t)out->gates); // the same three values
 }
 
 /// lode_drive_step() in its three parts.
@@ -280,7 +280,7 @@ lode_ab_t rig_seen_i_A(const rig_t *self) {
 }
 
 lode_ab_t rig_next_u_V(const rig_t *self) {
-    if (self->sets == PLANT_SETS) { // of both sets, or of the one that it looks at: asked of a copy
+    if (self->sets == PLANT_SETS) { // of both sets or of the one in use: computed in a copy
         lode_drive6_t next = self->six;
         const lode_counts6_t counts = {{{.v_bus = 0}}};
         return lode_drive6_sense(&next, &counts).u_seen_V;

@@ -35,7 +35,7 @@ const runlog_column_t runlog_columns[] = {
     COLUMN(i2_ref_A, 6),
     COLUMN(u1_V, 6),
     COLUMN(u2_V, 6),
-    COLUMN(i_alpha_A, 9), // digits that give a float back to the bit
+    COLUMN(i_alpha_A, 9), // enough digits to restore a float exactly
     COLUMN(i_beta_A, 9),
     COLUMN(u_alpha_V, 9),
     COLUMN(u_beta_V, 9),

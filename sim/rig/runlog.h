@@ -1,11 +1,11 @@
-/// What is recorded of a run: rows of named columns, and events.
+/// The log of a run: rows of named columns, and events.
 #ifndef RIG_RUNLOG_H
 #define RIG_RUNLOG_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/// One row, in SI units and those of people where the name says so.
+/// One row, in SI units or in the unit of the name.
 typedef struct {
     double t_s;
     double phase; ///< index
@@ -16,7 +16,7 @@ typedef struct {
     double i1_A, i2_A;         ///< d and q in the frame of control, as measured
     double i1_ref_A, i2_ref_A; ///< their references
     double u1_V, u2_V;
-    double i_alpha_A, i_beta_A; ///< what the estimator sees: current at t_s,
+    double i_alpha_A, i_beta_A; ///< input of the estimator: current at t_s,
     double u_alpha_V, u_beta_V; ///< and the mean voltage over the period that begins there
     double e_alpha_V, e_beta_V; ///< observer's raw output
     double e_true_alpha_V, e_true_beta_V;
@@ -28,17 +28,17 @@ typedef struct {
     double e_true_x_V, e_true_y_V;
     double duty_a2, duty_b2, duty_c2;
     double open_phase; ///< broken, 1 .. 6; 0: none
-    double found_open; ///< by the drive, lode_open_phase_t
+    double found_open; ///< found by the drive, lode_open_phase_t
     // All.
     double v_bus_V;
     double lock;
     double torque_Nm, load_Nm, load_est_Nm;
     // With signal injection only.
     double w_h;                  ///< share of injection in the position error
-    double er_h_deg, er_e_deg;   ///< position error by injection, and by the EMF
+    double er_h_deg, er_e_deg;   ///< position error from injection, and from the EMF
     double Lq_H;                 ///< of the motor at its currents
-    double Lq_est_H, psi_est_Wb; ///< as the drive has them
-    double Lq_confidence;        ///< in what it has learned
+    double Lq_est_H, psi_est_Wb; ///< as used by the drive
+    double Lq_confidence;        ///< confidence in the learned value
     // With adaptation only.
     double adapted_J_kgm2, adapted_J_confidence;
     double adapted_psi_Wb, adapted_psi_confidence;
@@ -74,13 +74,13 @@ typedef struct {
     int events;
     int events_dropped;
     runlog_event_t event[RUNLOG_EVENTS_MAX];
-    struct capture *capture; ///< recorders of the library beside the drive; NULL: none
+    struct capture *capture; ///< recorders of the library; NULL: none
 } runlog_t;
 
 void runlog_init(runlog_t *self);
 void runlog_free(runlog_t *self);
 
-/// False after a message where memory is out.
+/// False after a message if out of memory.
 bool runlog_add(runlog_t *self, const runlog_row_t *row);
 
 void runlog_note(runlog_t *self, double t_s, const char *text);

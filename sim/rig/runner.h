@@ -1,4 +1,4 @@
-/// Runs a scenario: the drive's step against the plant, period by period.
+/// Runs a scenario: the drive's step on the plant, period by period.
 #ifndef RIG_RUNNER_H
 #define RIG_RUNNER_H
 
@@ -7,10 +7,10 @@
 #include "rig/runlog.h"
 #include "support/stats.h"
 
-/// Steady figures are those of this last part of a phase.
+/// Steady values are those of this last part of a phase.
 #define RUNNER_WINDOW_s 0.4
 
-/// A cell or a fuse does not answer to what is faster.
+/// Time constant of a cell or a fuse, which does not respond to faster changes.
 #define RUNNER_SUPPLY_s 0.01
 
 typedef struct {
@@ -28,18 +28,19 @@ typedef struct {
     // The whole phase, as far as the drive RAN.
     rig_stats_t run_error_deg;
     rig_stats_t run_lock;
-    /// The same, whatever the mode, as a filter of RUNNER_SUPPLY_s sees it: most current out of the supply and into
-    /// it. And the highest bus voltage. NaN where nothing asks for them.
+    /// The whole phase, in any mode: the largest currents drawn from and fed into the supply, filtered with
+    /// RUNNER_SUPPLY_s, and the highest bus voltage. NaN if not needed.
     double battery_A, regen_A, v_bus_V;
     lode_mode_t mode; ///< at the end
-    // The same, NaN without hfi.learn: how far what was learned is off the motor's, at its currents.
+    // At the end, NaN without hfi.learn: deviation of the learned Lq from the motor's at its currents.
     double Lq_off_percent, Lq_confidence;
     uint32_t reseeds;
-    char missed[200];  ///< bars missed, in words; empty: none
-    char warning[200]; ///< what became of the commanded speed, in words; empty: it was reached
+    char missed[200]; ///< missed bars, in words; empty: none
+    char warning
+        [200]; ///< why the commanded speed was changed or not reached, in words; empty: it was reached
 } runner_phase_t;
 
-/// One of the drive's fault log.
+/// One entry of the drive's fault log.
 typedef struct {
     double t_s;
     lode_fault_t fault;
@@ -52,23 +53,22 @@ typedef struct {
     double fault_s;
     bool fault_expected;
     bool supervised; ///< it may be started again
-    int faults;      ///< that the drive's log has, the oldest first
+    int faults;      ///< number of entries of the drive's fault log, the oldest first
     runner_fault_t logged[REACTIONS_FAULTS];
     double handover_s; ///< first time in RUN, NaN: never
-    int retries;       ///< attempts of the last start that have failed, as the telemetry has them
+    int retries;       ///< failed attempts of the last start, from the telemetry
     double simulated_s;
     double processor_s;
     bool adapts;
     bool learns;
-    lode_telemetry_t last; ///< at the end: with what the drive has adapted and learned
+    lode_telemetry_t last; ///< at the end, with the adapted and learned values
     bool barred;           ///< the scenario sets a bar, or a mode to end in
     bool missed;           ///< a bar
-    bool never_ran; ///< RUN was commanded and did not come, nor did a fault that ends the run
-    bool
-        starts_yet; ///< RUN was lost: the last phase with a speed ended in a further attempt to start
+    bool never_ran;        ///< RUN was commanded and not reached, without a fault that ends the run
+    bool starts_yet; ///< RUN was lost: the last phase with a speed ended in another start attempt
 } runner_result_t;
 
-/// The one that [estimator] names.
+/// The estimator that [estimator] names.
 runner_estimator_t runner_estimator(const rig_config_t *config);
 
 /// Runs all phases. `config` must be complete and designed. False after a message: refused input.

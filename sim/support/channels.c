@@ -83,6 +83,6 @@ lode_channel_t channels_find(const char *name) {
 const char *channels_list(void) {
 #define NAME(channel, number, name, unit) ", " name
     static const char all[] = LODE_CHANNELS(NAME);
-    return &all[2]; // behind the first separator
+    return &all[2]; // after the first separator
 #undef NAME
 }

@@ -70,12 +70,12 @@ bool csv_reader_line(csv_reader_t *self, size_t from) {
         }
         self->text[strcspn(self->text, "\r\n")] = '\0';
     } while (self->line < from || is_passed_over(self->text));
-    const char *const mark = "\xEF\xBB\xBF"; // of UTF-8 files from some systems
+    const char *const mark = "\xEF\xBB\xBF"; // UTF-8 mark, which some systems write
     self->rest = self->text + (self->line == 1 && strncmp(self->text, mark, 3) == 0 ? 3 : 0);
     return true;
 }
 
-/// The first of `wanted` outside of quotes; the end of the text where there is none.
+/// The first of `wanted` outside quotes, or the end of the text.
 static char *find(char *text, const char *wanted) {
     bool quoted = false;
     while (*text != '\0' && (quoted || strchr(wanted, *text) == NULL)) {
@@ -96,7 +96,7 @@ void csv_reader_guess(csv_reader_t *self) {
     }
 }
 
-/// Takes the quotes off a cell: a doubled one stands for itself.
+/// Removes the quotes of a cell; a doubled quote becomes one.
 static void unquote(char *cell) {
     char *to = cell;
     for (const char *from = cell; *from != '\0'; ++from) {
@@ -118,7 +118,7 @@ char *csv_reader_cell(csv_reader_t *self) {
     }
     char *cell = self->rest + strspn(self->rest, blanks);
     if (self->separator == ' ' && *cell == '\0') {
-        return NULL; // blanks at the end of a line begin no cell
+        return NULL; // blanks at the end of a line do not begin a cell
     }
     char *end = find(cell, separators);
     self->rest = *end != '\0' ? end + 1 : NULL;

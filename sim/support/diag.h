@@ -1,4 +1,4 @@
-/// Messages to the user, on stderr, and what the exit code says.
+/// Messages to the user, on stderr, and the exit codes.
 #ifndef RIG_DIAG_H
 #define RIG_DIAG_H
 
@@ -9,8 +9,9 @@
 #endif
 
 typedef enum {
-    RIG_DONE = 0,   ///< did what was asked for
-    RIG_FAILED = 1, ///< the drive faulted, missed a bar or never ran, or what is decoded is damaged
+    RIG_DONE = 0, ///< done
+    RIG_FAILED =
+        1, ///< the drive faulted, missed a bar or never ran, or the decoded file is damaged
     RIG_BAD_INPUT = 2 ///< the command line or a file is not usable
 } rig_exit_t;
 

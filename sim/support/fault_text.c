@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/// Of what a criterion measures; empty for a ratio.
+/// Unit of a criterion; empty for a ratio.
 static const char *unit_of(lode_criterion_t criterion) {
     switch (criterion) {
     case LODE_CRITERION_CURRENT:
@@ -27,7 +27,7 @@ static const char *unit_of(lode_criterion_t criterion) {
     }
 }
 
-/// Of what a check measures and compares; empty for numbers, ratios, and what goes by the mode or the criterion.
+/// Unit of a check; empty for numbers, ratios, and checks whose unit depends on the mode or the criterion.
 static const char *unit_of_check(lode_check_t check) {
     static const struct {
         lode_check_t check;

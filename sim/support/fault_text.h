@@ -13,8 +13,7 @@ const char *fault_text_criterion(const lode_fault_t *fault);
 const char *fault_text_stage(const lode_fault_t *fault);
 
 /// "LODE_CHECK_INDUCTANCE in H, measured 0.017, limit 0.01", or "LODE_CHECK_START, measured 0.7, limit 3.2 (EMF in V,
-/// stage TURN)"; of an attempt that failed, which is no fault,
-/// "EMF in V, stage TURN, measured 0.7, limit 3.2".
+/// stage TURN)"; for a failed attempt, which is not a fault, "EMF in V, stage TURN, measured 0.7, limit 3.2".
 void fault_text(const lode_fault_t *fault, char *text, size_t size);
 
 #endif

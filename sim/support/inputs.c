@@ -10,11 +10,11 @@ typedef struct {
     ino_t number;
 } input_t;
 
-// One per process, like the outputs that it guards.
+// One per process, like the outputs.
 static input_t inputs[INPUTS_MAX];
 static int count;
 
-/// A device that is no terminal: its text may have no end.
+/// True for a device other than a terminal: its text may have no end.
 static bool is_device(FILE *file, const struct stat *about) {
     return S_ISBLK(about->st_mode) || (S_ISCHR(about->st_mode) && isatty(fileno(file)) == 0);
 }

@@ -1,4 +1,4 @@
-/// Files that this process reads, so that none of them becomes an output.
+/// The files that this process reads. None of them may become an output.
 #ifndef RIG_INPUTS_H
 #define RIG_INPUTS_H
 
@@ -9,7 +9,7 @@
 /// Opens a file for reading and remembers it. NULL with errno set.
 FILE *inputs_open(const char *path);
 
-/// Whether inputs_open() has opened this file, under whatever name.
+/// True if inputs_open() has opened this file, under any name.
 bool inputs_include(const struct stat *about);
 
 #endif

@@ -6,8 +6,8 @@
 
 enum { NAMES_LENGTH = 256 }; ///< of the buffer that holds a name
 
-/// Calls `take` with each name of `list`, in order. False where `take` says so; and, before any is taken, after a
-/// message that begins with `option`, where there is no name, an empty one, or one that comes twice.
+/// Calls `take` with each name of `list`, in order. False if `take` returns false. Also false, before any call
+/// and after a message that begins with `option`, if the list is empty, or a name is empty or occurs twice.
 bool names_take(const char *option, const char *list, bool (*take)(void *user, const char *name),
                 void *user);
 

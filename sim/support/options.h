@@ -21,12 +21,12 @@ typedef enum {
     COMMAND_VERSION
 } options_command_t;
 
-/// Seeds pass through a double, which holds them up to here.
+/// Seeds pass through a double, which is exact up to this value.
 #define OPTIONS_SEED_MAX (UINT64_C(1) << 53)
 
 enum { OPTIONS_SETS_MAX = 64, OPTIONS_COLUMNS_MAX = 32, OPTIONS_FILES_MAX = 1024 };
 
-/// Strings are those of argv; NULL: not given.
+/// Strings point into argv; NULL: not given.
 typedef struct {
     options_command_t command;
     const char *help_for; ///< name of a command
@@ -52,7 +52,7 @@ typedef struct {
     const char *format; ///< of the pictures in it
     const char *kind;   ///< of what is decoded
     const char *kinds;  ///< of faults
-    const char *ring;   ///< recorders beside a run
+    const char *ring;   ///< recorder files of a run
     const char *scope;
     const char *channels;
     const char *every;
@@ -65,7 +65,7 @@ typedef struct {
     unsigned jobs; ///< processes of a campaign; 0: as many as there are processors
     int sets;
     const char *set[OPTIONS_SETS_MAX];
-    const char *test;   ///< of monte-carlo: start, run or merge
+    const char *test;   ///< of monte-carlo: start, run, fly, quiet, open-phase or merge
     const char *motors; ///< names, separated by commas
     const char *errors; ///< narrow, wide, start or commissioned
     uint64_t cases;     ///< per motor; 0: not given

@@ -8,10 +8,10 @@
 /// Opens the file for `path` unless that is NULL. False after a message.
 bool outputs_open(FILE **file, const char *path);
 
-/// Makes the folder for outputs unless it is there. False after a message.
+/// Creates the folder for outputs unless it exists. False after a message.
 bool outputs_folder(const char *path);
 
-/// Says on stdout that `path` was written, unless that is NULL.
+/// Prints to stdout that `path` was written, unless it is NULL.
 void outputs_say(const char *path);
 
 #endif

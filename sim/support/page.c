@@ -5,8 +5,8 @@
 
 #include "support/utf8.h"
 
-/// Text as HTML shows it: what marks it up is written as what it looks like, a blank for each control
-/// character but the end of a line, `?` for each byte that is not UTF-8.
+/// Writes text as HTML: markup characters are escaped, control characters other than line ends become blanks,
+/// and bytes that are not UTF-8 become `?`.
 static void write_text(FILE *page, const char *text) {
     const unsigned char *at = (const unsigned char *)text;
     while (*at != '\0') {
@@ -29,7 +29,7 @@ static void write_text(FILE *page, const char *text) {
     }
 }
 
-/// From the element <svg> on: before it stands what only a file of its own has.
+/// Copies from the element <svg> on; the lines before it belong only in a separate SVG file.
 static void copy_svg(FILE *page, FILE *svg) {
     char line[4096];
     bool inside = false;

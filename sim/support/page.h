@@ -1,10 +1,10 @@
-/// A page of HTML around a picture: no script, nothing that it fetches from elsewhere.
+/// An HTML page around a picture, without scripts and without external resources.
 #ifndef RIG_PAGE_H
 #define RIG_PAGE_H
 
 #include <stdio.h>
 
-/// `svg`: as gnuplot has written it, read from its beginning. `text`: table below it, as it stands on a
+/// `svg`: the output of gnuplot, read from its beginning. `text`: the table below the picture, as on the
 /// screen; NULL: none.
 void page_write(FILE *page, const char *title, FILE *svg, const char *text);
 

@@ -1,4 +1,4 @@
-/// Pictures by gnuplot, which runs as a child process: SVG, PNG, or a page of HTML that holds all it shows.
+/// Pictures by gnuplot, which runs as a child process: SVG, PNG, or a self-contained HTML page.
 #ifndef RIG_PLOT_H
 #define RIG_PLOT_H
 
@@ -12,14 +12,14 @@ bool plot_available(void);
 
 typedef enum { PLOT_SVG, PLOT_PNG, PLOT_HTML } plot_format_t;
 
-/// Where a picture goes.
+/// Output of a picture.
 typedef struct {
-    FILE *file; ///< NULL: none is wanted
+    FILE *file; ///< NULL: not wanted
     plot_format_t format;
     const char *text; ///< HTML: table below the picture
 } plot_output_t;
 
-/// Opens the file for `path` unless that is NULL. The ending of its name tells the kind: .svg (or none),
+/// Opens the file for `path` unless that is NULL. The extension of its name selects the format: .svg (or none),
 /// .png, .html. False after a message.
 bool plot_open(plot_output_t *self, const char *path);
 
@@ -28,13 +28,13 @@ bool plot_open(plot_output_t *self, const char *path);
 void plot_path_in(char *path, size_t size, const char *folder, const char *file,
                   const char *format);
 
-/// A gnuplot under way: its commands go into `script`.
+/// A running gnuplot; `script` takes its commands.
 typedef struct {
     FILE *script;
     long process;
     const plot_output_t *output;
     const char *title;
-    FILE *drawn; ///< the picture, which goes into the file given, or its page, when it is whole
+    FILE *drawn; ///< the picture; when complete it is copied to the given file or its page
 } plot_t;
 
 /// Starts gnuplot with its output in `output`, `width` x `height` pixels. `title`: of a page. A value that is NaN breaks the
@@ -42,19 +42,18 @@ typedef struct {
 bool plot_start(plot_t *self, const plot_output_t *output, const char *title, int width,
                 int height);
 
-/// A text as a gnuplot string, quotes included, cut to what fits in `string`. Every text that is not
-/// part of this program goes into a script by this only. Single quotes, in which gnuplot takes
-/// nothing for a command, a variable or an escape, and none within: U+2019 stands for each (gnuplot
-/// reads a pair at the start as an empty string). A blank for each control character and `?` for each
-/// byte that is not UTF-8, which no picture could hold. Show it with `noenhanced`. Returns
-/// `string`.
+/// A text as a gnuplot string, quotes included, cut to the size of `string`. Every text that is not part of
+/// this program must go into a script through this function. The string is in single quotes, in which gnuplot
+/// interprets no commands, variables or escapes; U+2019 replaces a single quote in the text (gnuplot reads a
+/// pair at the start as an empty string). A blank replaces each control character, and `?` each byte that is
+/// not UTF-8. Show it with `noenhanced`. Returns `string`.
 const char *plot_text(char string[PLOT_TEXT_LENGTH], const char *text);
 
-/// Panels one above the other over a common time axis, with legends on their right.
+/// Panels one above the other with a common time axis and legends on the right.
 typedef struct {
     int width, height; ///< of the picture, pixels
     int top;           ///< above the panels
-    int legend;        ///< on their right
+    int legend;        ///< right of the panels
     int panels;
     double from_s, to_s;
 } plot_frame_t;
@@ -63,11 +62,11 @@ typedef struct {
 /// green, grey.
 void plot_style(FILE *script, const char *title, const plot_frame_t *frame);
 
-/// Names the vertical axis of the panels to come.
+/// Names the vertical axis of the next panel.
 void plot_panel(FILE *script, const char *label);
 
-/// Waits for it, and writes its picture or the page around it. False after a message if it failed, or
-/// drew less than a whole picture.
+/// Waits for gnuplot, and writes the picture or the page around it. False after a message if gnuplot failed or
+/// drew an incomplete picture.
 bool plot_finish(plot_t *self);
 
 #endif

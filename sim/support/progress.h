@@ -1,4 +1,4 @@
-/// How far a long run has got, on stderr and only where a terminal is there.
+/// Progress of a long run, on stderr and only if it is a terminal.
 #ifndef RIG_PROGRESS_H
 #define RIG_PROGRESS_H
 
@@ -16,8 +16,7 @@ void progress_start(progress_t *self);
 /// Shows `fraction` of the work and `what`, a few times a second at most.
 void progress_show(progress_t *self, double fraction, const char *what);
 
-/// Clears the line. Returns the processor time since the start, s: what other programs take does not
-/// count.
+/// Clears the line. Returns the processor time since the start, s, without that of other programs.
 double progress_end(progress_t *self);
 
 #endif

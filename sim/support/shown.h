@@ -1,4 +1,4 @@
-/// Text on its way to the screen that a page may show as well.
+/// Text for the screen that an HTML page may also show.
 #ifndef RIG_SHOWN_H
 #define RIG_SHOWN_H
 
@@ -15,7 +15,7 @@ typedef struct {
 /// False after a message.
 bool shown_begin(shown_t *self);
 
-/// Writes what has been collected to stdout. False after a message; to be freed either way.
+/// Writes the collected text to stdout. False after a message; call shown_free() in either case.
 bool shown_end(shown_t *self);
 
 void shown_free(shown_t *self);

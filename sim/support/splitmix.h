@@ -1,4 +1,4 @@
-/// SplitMix64 (Steele, Lea, Flood 2014): one good number per step from any seed.
+/// SplitMix64 (Steele, Lea, Flood 2014): one random number per step from any seed.
 #ifndef SUPPORT_SPLITMIX_H
 #define SUPPORT_SPLITMIX_H
 

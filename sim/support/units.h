@@ -1,4 +1,4 @@
-/// Units of people: rpm and degrees live in the host tools only.
+/// rpm and degrees are used only in the host tools.
 #ifndef RIG_UNITS_H
 #define RIG_UNITS_H
 
@@ -24,7 +24,7 @@ static inline double rig_rad_from_deg(double deg) {
 
 /// Difference of two angles, (-180, 180] degrees.
 static inline double rig_angle_error_deg(double estimate_rad, double truth_rad) {
-    const double off_rad = estimate_rad - truth_rad; // seldom beyond half a turn
+    const double off_rad = estimate_rad - truth_rad; // rarely beyond half a turn
     return rig_deg_from_rad(fabs(off_rad) <= RIG_PI ? off_rad : remainder(off_rad, 2.0 * RIG_PI));
 }
 

@@ -6,7 +6,7 @@
 int utf8_length(const unsigned char *text) {
     static const struct {
         unsigned char first, last; // leading bytes
-        unsigned char low, high; // the byte after them: neither longer than needed nor a surrogate
+        unsigned char low, high;   // range of the next byte: excludes overlong forms and surrogates
         int length;
     } forms[] = {
         {0x00, 0x7f, 0x00, 0xff, 1}, {0xc2, 0xdf, 0x80, 0xbf, 2}, {0xe0, 0xe0, 0xa0, 0xbf, 3},

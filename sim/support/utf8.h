@@ -2,7 +2,7 @@
 #ifndef RIG_UTF8_H
 #define RIG_UTF8_H
 
-/// Bytes of the character at `text`, 1 .. 4; 0 if it is none.
+/// Length of the character at `text` in bytes, 1 .. 4; 0 if it is not valid UTF-8.
 int utf8_length(const unsigned char *text);
 
 #endif

@@ -14,10 +14,10 @@
 typedef struct {
     unsigned count;
     pid_t process[WORKERS_MAX];
-    int from[WORKERS_MAX]; ///< reading end of each one's pipe
+    int from[WORKERS_MAX]; ///< reading end of the pipe of each worker
 } crew_t;
 
-/// One message: the result behind a mark that says whether there is one.
+/// One message: a mark that says whether there is a result, then the result.
 typedef struct {
     bool good;
     unsigned char result[WORKERS_RESULT_MAX];
@@ -62,8 +62,8 @@ static bool receive_all(int from, message_t *message) {
     return true;
 }
 
-/// The life of a worker. Signals end it at once: the unfinished files are its parent's to remove. What
-/// it cannot do it leaves to the parent, which then says why, once.
+/// Body of a worker. Signals end it at once; the parent removes unfinished files. Work that it cannot do is
+/// repeated by the parent, which then reports the error once.
 static void live(const workers_t *self, unsigned index, unsigned count, int to) {
     static const int watched[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
     for (size_t k = 0; k < sizeof watched / sizeof watched[0]; ++k) {
@@ -81,7 +81,7 @@ static void live(const workers_t *self, unsigned index, unsigned count, int to) 
     _exit(0);
 }
 
-/// False where the system has no more pipes or processes.
+/// False if the system has no more pipes or processes.
 static bool hire(const workers_t *self, crew_t *crew, unsigned count) {
     for (unsigned k = 0; k < count; ++k) {
         int ends[2];
@@ -124,7 +124,7 @@ static bool gather(const workers_t *self, const crew_t *crew) {
             rig_error("a worker process ended unexpectedly");
             return false;
         }
-        // What a worker could not do fails here in the same way, with its message.
+        // Work that a worker could not do fails here in the same way, with its message.
         if (!message.good && !self->work(self->user, n, message.result)) {
             return false;
         }
