@@ -1,4 +1,4 @@
-/// board_describe() for every board that has a header of figures (VARIANT_...) and a chip.h.
+/// board_describe() for every board with a header of values (VARIANT_...) and a chip.h.
 #include "board.h"
 #include "chip.h"
 
@@ -9,7 +9,7 @@
 #ifndef VARIANT_SENSING
 #define VARIANT_SENSING PORT_LOW_SIDE_THREE
 #endif
-#ifndef VARIANT_LOW_SIDES // of the chips that can all switch them alone
+#ifndef VARIANT_LOW_SIDES // default: the chip can switch the low sides alone
 #define VARIANT_LOW_SIDES true
 #endif
 #ifndef VARIANT_PRECHARGE_s // no bootstrap capacitors

@@ -27,7 +27,7 @@ lode_single_shunt_config_t port_link_config(const lode_drive_config_t *config, f
                                         .L_H = L_H};
 }
 
-// A window that is refused leaves 0: the board's initialisation fails by it.
+// A refused window leaves 0, and the initialisation of the board fails.
 static float link_voltage_use(const lode_drive_config_t *config, float settle_ns, float sample_ns) {
     const lode_single_shunt_config_t link = port_link_config(config, settle_ns, sample_ns, 0.0f);
     lode_single_shunt_tuning_t tuning;
@@ -41,14 +41,14 @@ void port_sensing(lode_drive_config_t *config, port_sensing_t sensing, float set
     config->sense.shunts = two ? LODE_SHUNTS_TWO : LODE_SHUNTS_THREE;
     config->sense.duty_max = 1.0f;
     if (sensing == PORT_LINK_ONE) {
-        config->start.pulses = LODE_OFF; // a current in the low sides alone is not seen
+        config->start.pulses = LODE_OFF; // a current in the low sides alone cannot be measured
         config->current.voltage_use = link_voltage_use(config, settle_ns, sample_ns);
     }
     if (sensing == PORT_LOW_SIDE_THREE || sensing == PORT_LOW_SIDE_TWO) {
         const float duty_max = port_duty_max(config->f_pwm_Hz, settle_ns, sample_ns);
         const float loss = config->inverter.dead_time_s * config->f_pwm_Hz;
         config->sense.duty_max = duty_max;
-        // With two the drive finds its share by itself.
+        // With two shunts the drive computes the share itself.
         config->current.voltage_use = two ? 0.0f : port_voltage_use(duty_max - loss);
     }
 }

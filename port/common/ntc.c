@@ -3,7 +3,7 @@
 #define PER_degC 10.0f
 #define ROUND 0.5f
 
-// The divider's share of the reference with the NTC at `R_Ohm`.
+// Output of the divider as a share of the reference, with the NTC at `R_Ohm`.
 static float share_of(const port_ntc_config_t *config, float R_Ohm) {
     const float lower = config->to_ground ? R_Ohm : config->fixed_Ohm;
     return lower / (R_Ohm + config->fixed_Ohm);
@@ -13,10 +13,12 @@ static uint16_t tenths(float degC) {
     return (uint16_t)(int32_t)((degC - PORT_NTC_ZERO_degC) * PER_degC + ROUND);
 }
 
-// Between two points the temperature follows the share, not the resistance: that curve is nearly straight.
+// Between two points the temperature is interpolated over the share, not over the resistance, because that
+// curve is nearly linear.
 static uint16_t look_up(const port_ntc_config_t *config, float share) {
     const port_ntc_point_t *points = config->points;
-    const float colder = config->to_ground ? 1.0f : -1.0f; // a colder NTC moves the share this way
+    const float colder =
+        config->to_ground ? 1.0f : -1.0f; // direction in which a colder NTC moves the share
     if (colder * (share - share_of(config, points[0].R_Ohm)) > 0.0f) {
         return PORT_NTC_MISSING;
     }

@@ -15,7 +15,7 @@ void port_sequential_init(port_sequential_t *self, const port_sequential_config_
     }
 }
 
-// A count at t_k: i = sample + ripple - share (i - last), where the last factor is the fundamental's slope.
+// A count at t_k: i = sample + ripple - share (i - last); i - last is the fundamental's slope.
 static float at_tk(const port_sequential_t *self, int n, float sample, float ripple) {
     const float share = self->share[n];
     const float now = sample + ripple;

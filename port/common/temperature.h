@@ -1,5 +1,5 @@
-/// Temperature of a board with a header of figures: by the table of its NTC (VARIANT_NTC_POINTS), or the count
-/// as it is, for a straight line or none. Included by one source of a port, after the board's header.
+/// Temperature of a board with a header of values: from the table of its NTC (VARIANT_NTC_POINTS), or the plain
+/// count for a linear sensor or none. Included by one source of a port, after the board's header.
 #ifndef LODESTAR_PORT_COMMON_TEMPERATURE_H
 #define LODESTAR_PORT_COMMON_TEMPERATURE_H
 

@@ -12,7 +12,7 @@ static inline void reg_write(uint32_t address, uint32_t value) {
     *(volatile uint32_t *)address = value;
 }
 
-/// What the DMA reads or writes: an address of the chip's.
+/// Address of the chip for the DMA.
 static inline uint32_t reg_address_of(const uint32_t *word) {
     return (uint32_t)word;
 }

@@ -4,9 +4,9 @@
 #include "sequential.h"
 
 #define BAUD 115200u
-#define FRACTIONS 64u // of the divisor
+#define FRACTIONS 64u // fractions of the divisor
 // The ring oscillator that the reference clock runs on: 11 MHz nominal, 4.6 .. 24 MHz (data sheet, ring
-// oscillator). The serial port after a failed clock is as accurate.
+// oscillator). After a clock failure the serial port is only as accurate.
 #define F_RING_Hz 11000000u
 #define TICK_CYCLES 11u
 #define WATCHDOG_us 20000u
@@ -25,19 +25,19 @@ static void serial_init(uint32_t f_clock_Hz) {
     const uint32_t divisor = (f_clock_Hz * 4u + BAUD / 2u) / BAUD; // 1/64 of f/(16 baud)
     reg_write(UART0_IBRD, divisor / FRACTIONS);
     reg_write(UART0_FBRD, divisor % FRACTIONS);
-    reg_write(UART0_LCR, UART_LCR_8N1_FIFO); // takes the divisor over
+    reg_write(UART0_LCR, UART_LCR_8N1_FIFO); // loads the divisor
     reg_write(UART0_CR, UART_CR_TX);
     reg_write(PIN_CTRL(VARIANT_TX_GPIO), PIN_UART);
     reg_write(PAD(VARIANT_TX_GPIO), PAD_OUTPUT);
 }
 
-// Cycles of the system; runs on while a debugger holds the core.
+// Cycles of the system clock; keeps running while a debugger halts the core.
 static void stamp_start(void) {
     reg_write(TIMER0_DBGPAUSE, 0u);
     reg_write(TIMER0_SOURCE, TIMER_SOURCE_SYSTEM);
 }
 
-// Of currents one after the other, evenly around t_k.
+// Delays of currents sampled one after the other, evenly around t_k.
 static void sequential_start(void) {
     lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
     board_describe(&config);
@@ -53,7 +53,7 @@ static void sequential_start(void) {
 }
 
 bool board_init(float i_trip_A) {
-    (void)i_trip_A; // the driver's own
+    (void)i_trip_A; // the driver has its own threshold
     chip_gates_off();
     if (!chip_release(RESET_PWM | RESET_ADC | RESET_DMA | RESET_TIMER0 | RESET_UART0,
                       RESET_IO_BANK0 | RESET_PADS_BANK0)) {
@@ -61,7 +61,7 @@ bool board_init(float i_trip_A) {
     }
     chip_driver_init();
     const bool clocked = chip_clock_init();
-    serial_init(clocked ? CHIP_F_SYS_Hz : F_RING_Hz); // a failure is reported over it
+    serial_init(clocked ? CHIP_F_SYS_Hz : F_RING_Hz); // needed to report a failure
     if (!clocked) {
         return false;
     }
@@ -74,8 +74,8 @@ bool board_init(float i_trip_A) {
     return !chip_tripped();
 }
 
-// The pads lose their functions with it, and the pull-downs switch off. It runs on while a debugger holds
-// the core: behind the deadline a halt ends in a reset.
+// Its reset removes the functions of the pads, and the pull-downs switch off. It keeps running while a debugger
+// halts the core: after the deadline a halt ends in a reset.
 static void watchdog_start(void) {
     reg_write(TICKS_WATCHDOG_CYCLES, TICK_CYCLES);
     reg_write(TICKS_WATCHDOG_CTRL, TICKS_ENABLE);
@@ -115,7 +115,7 @@ LODE_RAMFUNC void board_gates_off(void) {
 }
 
 LODE_RAMFUNC void board_write(const lode_drive_out_t *out) {
-    const bool on = out->gates == LODE_GATES_ON; // the low sides alone: not made, so off
+    const bool on = out->gates == LODE_GATES_ON; // the low sides alone are not possible, so off
     if (!on) {
         chip_gates_off();
     }
@@ -133,7 +133,7 @@ bool board_clear_trip(void) {
     return !chip_tripped(); // an active source has latched it again
 }
 
-bool board_test_trip(void) { // the driver's: nothing in reach
+bool board_test_trip(void) { // the trip is in the driver and cannot be tested
     board_gates_off();
     return true;
 }

@@ -1,4 +1,4 @@
-/// The parts of the RP2350 port, and what common/describe.c must know of the chip.
+/// The parts of the RP2350 port, and the values of the chip for common/describe.c.
 #ifndef LODESTAR_PORT_RP2350_CHIP_H
 #define LODESTAR_PORT_RP2350_CHIP_H
 
@@ -34,8 +34,8 @@
 #define CHIP_F_STAMP_Hz CHIP_F_SYS_Hz ///< TIMER0
 #define CHIP_F_ADC_Hz 48000000u
 
-/// Conversions follow each other every 96 cycles of 48 MHz. When within them the input is sampled the data
-/// sheet does not say: taken as a quarter of a conversion after its begin.
+/// Conversions follow each other every 96 cycles of 48 MHz. The data sheet does not give the sampling instant;
+/// a quarter of a conversion after its start is assumed.
 #define CHIP_CONVERSION_ns 2000.0f
 #define CHIP_APERTURE_ns 500.0f
 
@@ -47,7 +47,7 @@
 /// Sampled one after the other: the currents, then the bus.
 #define CHIP_CURRENTS (CHIP_IS_TWO ? 2u : 3u)
 #define CHIP_SAMPLES (CHIP_CURRENTS + 1u)
-/// The currents lie evenly around t_k: from t_k to the last, and as long before it to the first.
+/// The samples of the currents lie evenly around t_k: the last one this long after t_k, the first one as long before.
 #define CHIP_SPREAD_ns (0.5f * (float)(CHIP_CURRENTS - 1u) * CHIP_CONVERSION_ns)
 /// Amplifiers must have settled this much before t_k.
 #define CHIP_LEAD_ns (CHIP_SPREAD_ns + CHIP_APERTURE_ns)
@@ -57,29 +57,30 @@
 /// Core, PWM and serial port at 150 MHz from the crystal, ADC at 48 MHz. The reference clock, and with
 /// it the watchdog, stays on the ring oscillator. False: crystal or PLL does not come.
 bool chip_clock_init(void);
-/// The system's PLL has been without lock since the last chip_clock_forget().
+/// True if the system's PLL has lost lock since the last chip_clock_forget().
 bool chip_clock_lost(void);
 void chip_clock_forget(void);
-/// Takes parts out of reset; those in `fresh` go through it first. False: no answer.
+/// Takes parts out of reset; those in `fresh` are reset first. False: no response.
 bool chip_release(uint32_t fresh, uint32_t others);
-/// `us` on the stamp's counter; before that, loops.
+/// Waits `us` by the stamp's counter, or by loops before it runs.
 void chip_wait_us(uint32_t us);
 
-/// Slices of the three phases and of trigger and deadline, standing still. False: the period does not fit.
+/// Sets up the slices of the three phases, of the trigger and of the deadline, stopped. False: the period does
+/// not fit.
 bool chip_pwm_init(void);
-/// All slices at once.
+/// Starts all slices at once.
 void chip_pwm_start(void);
 void chip_pwm_write(lode_abc_t duty);
-/// The interrupt has come: the deadline moves on.
+/// Call in the interrupt: moves the deadline on.
 void chip_deadline_move(void);
 
 /// ADC and the two DMA channels, not yet enabled.
 bool chip_converter_init(void);
-/// From now on the slices' wraps are heard.
+/// From now on the wraps of the slices take effect.
 void chip_converter_arm(void);
-/// Takes the samples of this period. False: there are not as many as there should be.
+/// Takes the samples of this period. False: wrong number of samples.
 bool chip_converter_take(uint16_t sample[CHIP_SAMPLES]);
-/// After the period: waits for the conversion that has begun on its own, and throws it away.
+/// Call after the period: waits for the extra conversion and discards it.
 void chip_converter_rest(void);
 
 /// Enable, reset and fault pin of the gate driver. Before anything else: enable low.
@@ -87,9 +88,9 @@ void chip_driver_init(void);
 void chip_gates_off(void);
 /// Unless something is latched.
 void chip_gates_on(void);
-/// Fault line, deadline, lost clock: any of them has come and not been cleared.
+/// True if fault line, deadline or clock loss is latched.
 bool chip_tripped(void);
-/// Gates off, then the latches of driver and chip cleared.
+/// Switches the gates off, then clears the latches of driver and chip.
 void chip_driver_reset(void);
 
 #endif

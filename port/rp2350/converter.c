@@ -1,6 +1,6 @@
-// One ADC. A wrap of the trigger slice has the DMA write the word that starts it; it goes through its
-// inputs one after the other until the interrupt, at the last of them, stops it. By then it has begun one
-// more, which is thrown away.
+// One ADC. A wrap of the trigger slice makes the DMA write the word that starts it. It converts its inputs one
+// after the other until the interrupt after the last one stops it. By then it has started one more conversion,
+// which is discarded.
 #include "chip.h"
 
 #define TRIGGER_CHANNEL 0u
@@ -8,10 +8,10 @@
 #define FIRST_GPIO 26u // ADC0
 #define IDLE ADC_CS_EN
 #define FIFO (ADC_FCS_EN | CHIP_SAMPLES << ADC_FCS_THRESHOLD_Pos)
-// A conversion takes 2 us, 300 cycles; a poll some ten.
+// A conversion takes 2 us, 300 cycles; a poll takes about ten.
 #define REST_POLLS 100u
 
-// From input 0 on. In RAM: the DMA must not wait for the flash.
+// From input 0 on. In RAM, so that the DMA does not wait for the flash.
 static uint32_t start_word =
     ADC_CS_EN | ADC_CS_START_MANY | ((1u << CHIP_SAMPLES) - 1u) << ADC_CS_ROUND_Pos;
 static uint32_t deadline_word = PIN_SIO | PIN_OUT_LOW;
@@ -45,7 +45,7 @@ LODE_RAMFUNC bool chip_converter_take(uint16_t sample[CHIP_SAMPLES]) {
     for (uint32_t n = 0u; n < CHIP_SAMPLES; n++) {
         sample[n] = (uint16_t)(reg_read(ADC_FIFO) & 0xFFFu);
     }
-    // One more if the interrupt came late; as many as it holds if it has not come for a while.
+    // One more sample if the interrupt came late; a full FIFO if it has not come for a while.
     return (status & ADC_FCS_OVER) == 0u && ADC_FCS_LEVEL(status) - CHIP_SAMPLES <= 1u;
 }
 

@@ -1,9 +1,10 @@
-// The gate driver: enable, reset and fault. The pin's override is the deadline's latch, the kept edge of
-// the fault line that of the driver's over-current, which the driver has acted on itself.
+// The gate driver: enable, reset and fault. The override of the enable pin is the latch of the deadline. The
+// stored edge of the fault line is the latch of an over-current, to which the driver itself has already
+// responded.
 #include "chip.h"
 
-#define WAKE_us 1000u // of a driver, after its reset
-#define RESET_us 20u  // of its latch: the DRV83xx take 8 .. 40 us
+#define WAKE_us 1000u // wake-up time of a driver after its reset
+#define RESET_us 20u  // reset of its latch: the DRV83xx need 8 .. 40 us
 
 #define ENABLE (1u << VARIANT_ENABLE_GPIO)
 #define RESET (1u << VARIANT_RESET_GPIO)

@@ -1,7 +1,7 @@
 // Three slices count up and down. Their outputs are inverted, so the high sides are on around the upper
-// turning point and all low sides around zero: there the compare values are taken over. That instant is
-// t_k. Two more slices run as sawtooths: one wraps ahead of t_k by the ADC's lead and starts it, one
-// wraps where the interrupt has not come for one and a half periods and takes the gates away.
+// turning point and all low sides around zero: there the compare values are loaded. That instant is t_k. Two
+// more slices count as sawtooths: one wraps before t_k by the lead of the ADC and starts it; the other wraps if
+// no interrupt has come for one and a half periods, and switches the gates off.
 #include "chip.h"
 
 static const uint32_t gpio[CHIP_PHASES] = VARIANT_PWM_GPIOS;
@@ -47,7 +47,7 @@ void chip_pwm_start(void) {
     reg_write(PWM_EN, all);
 }
 
-// High while the counter is at or above the compare value, which top + 1 never is.
+// High while the counter is at or above the compare value; it never reaches top + 1.
 static inline uint32_t compare(float duty) {
     return (uint32_t)(int32_t)((1.0f - duty) * (float)steps + 0.5f);
 }

@@ -1,5 +1,5 @@
-/// Every access of the RP2350 port to a register goes by address through these functions. The tests bring
-/// their own and so see the order.
+/// Every access of the RP2350 port to a register goes by address through these functions. The tests replace
+/// them, to record the order.
 #ifndef LODESTAR_PORT_RP2350_REG_H
 #define LODESTAR_PORT_RP2350_REG_H
 
@@ -11,8 +11,8 @@
 #endif
 #include RP_REG_H
 
-/// Polls of a ready flag before the hardware is given up: a crystal takes milliseconds, at some 10 MHz some
-/// ten cycles per poll.
+/// Polls of a ready flag before the hardware counts as failed: a crystal takes milliseconds, and a poll about
+/// ten cycles at about 10 MHz.
 #define REG_POLLS 200000u
 
 static inline void reg_set(uint32_t address, uint32_t bits) {

@@ -29,7 +29,7 @@
 #define CLK_SYS_AUX_PLL 0u // the other bits: the system's PLL
 #define CLK_PERI_CTRL 0x40010048u
 #define CLK_ADC_CTRL 0x4001006Cu
-#define CLK_ENABLE (1u << 11) // source 0: of CLK_PERI the system's clock, of CLK_ADC the USB's PLL
+#define CLK_ENABLE (1u << 11) // source 0: the system clock for CLK_PERI, the USB PLL for CLK_ADC
 #define CLK_DIV_1 (1u << 16)
 
 #define XOSC_CTRL 0x40048000u
@@ -45,7 +45,7 @@
 #define PLL_CS_REFDIV_1 1u
 #define PLL_PWR 0x04u
 #define PLL_PWR_DOWN 0x2Du
-#define PLL_PWR_POSTDIV_DOWN 0x0Cu // the post divider, and the part that this PLL does not have
+#define PLL_PWR_POSTDIV_DOWN 0x0Cu // the post divider, and a part that this PLL does not have
 #define PLL_PWR_UP 0x04u
 #define PLL_FBDIV 0x08u
 #define PLL_PRIM 0x0Cu
@@ -65,7 +65,7 @@
 #define WATCHDOG_REASON 0x400D8008u
 #define WATCHDOG_REASON_TIMER 1u
 
-// Of SIO: pins 0 .. 31.
+// SIO: pins 0 .. 31.
 #define GPIO_IN 0xD0000004u
 #define GPIO_OUT 0xD0000010u
 #define GPIO_OUT_SET 0xD0000018u
@@ -76,8 +76,8 @@
 #define PIN_UART 2u
 #define PIN_PWM 4u
 #define PIN_SIO 5u
-#define PIN_OUT_LOW (2u << 12) // whatever the function drives
-// Edges are kept until they are cleared by writing 1.
+#define PIN_OUT_LOW (2u << 12) // overrides the function
+// Edges are stored until cleared by writing 1.
 #define PIN_EVENTS(gpio) (0x40028230u + 4u * ((gpio) / 8u))
 #define PIN_EVENT_FELL(gpio) (4u << (4u * ((gpio) % 8u)))
 
@@ -120,8 +120,8 @@
 #define DMA_COUNT(channel) (DMA_READ(channel) + 0x08u)
 #define DMA_COUNT_ENDLESS 0xF0000001u
 #define DMA_CTRL(channel) (DMA_READ(channel) + 0x0Cu) // writing starts it
-// A word for each wrap of a slice, before other channels, to and from fixed addresses; chained to itself,
-// which is to none.
+// One word for each wrap of a slice, with high priority, to and from fixed addresses; chained to itself, which
+// means not chained.
 #define DMA_WORD_PER_WRAP(channel, slice)                                                          \
     (1u | 1u << 1 | 2u << 2 | (channel) << 13 | (32u + (slice)) << 17)
 

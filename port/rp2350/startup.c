@@ -1,10 +1,10 @@
-/// From the boot ROM to main(): memory, FPU, vector table. Needs nothing of the vendor's.
+/// From the boot ROM to main(): memory, FPU, vector table. Needs no vendor code.
 #include <stdint.h>
 
 #include "board.h"
 #include "rp2350.h"
 
-// Of the linker script.
+// Symbols of the linker script.
 extern uint32_t stack_end[], data_load[], data_begin[], data_end[], bss_begin[], bss_end[];
 extern uint32_t hot_load[], hot_begin[], hot_end[];
 
@@ -26,7 +26,7 @@ typedef union {
 #define EXCEPTIONS 16u
 #define INTERRUPTS 52u
 
-// A vector that is not named here is 0: taken all the same, it ends in the hard fault.
+// A vector that is not named here is 0; if taken, it ends in the hard fault.
 __attribute__((section(".vectors"),
                used)) static const vector_t vectors[EXCEPTIONS + INTERRUPTS] = {
     [0] = {.stack = stack_end},
@@ -40,8 +40,8 @@ __attribute__((section(".vectors"),
     [EXCEPTIONS + IRQ_ADC_FIFO] = {.handler = adc_fifo_handler},
 };
 
-// Without this in the first 4 KB the boot ROM sees no program: an image for Arm, to be run in place, whose
-// vectors stand at its begin (data sheet, minimum image definition).
+// The boot ROM needs this in the first 4 KB to recognise a program: an image for Arm, run in place, with its
+// vectors at its start (data sheet, minimum image definition).
 __attribute__((section(".image_def"), used)) static const uint32_t image_def[] = {
     0xFFFFDED3u, // begin of a block
     0x10210142u, // item: executable, secure, Arm, RP2350
@@ -62,7 +62,7 @@ static void clear(uint32_t *to, const uint32_t *to_end) {
     }
 }
 
-/// On the image's own stack, which no limit of the boot ROM's may cut.
+/// Uses the image's own stack, without the stack limit of the boot ROM.
 __attribute__((naked)) void reset_handler(void) {
     __asm volatile("movs r0, #0\n msr msplim, r0\n ldr r0, =stack_end\n msr msp, r0\n b run");
 }
@@ -78,7 +78,7 @@ void run(void) {
     stop_handler();
 }
 
-/// Faults and interrupts that nobody expects: gates off, then the watchdog resets.
+/// Faults and unexpected interrupts: gates off, then the watchdog resets.
 void stop_handler(void) {
     board_gates_off();
     for (;;) {

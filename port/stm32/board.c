@@ -1,5 +1,5 @@
-/// The functions of board.h on any STM32 with TIM1 as its PWM. The chip's parts are those of chip.h, the
-/// names of its registers those of stm32_device.h, the board's figures and pins those of its header.
+/// The functions of board.h for any STM32 with TIM1 as its PWM. chip.h has the parts of the chip,
+/// stm32_device.h its register names, and the board's header its values and pins.
 #include "board.h"
 
 #include "chip.h"
@@ -17,7 +17,7 @@ void STM32_PERIOD_HANDLER(void);
 
 #ifdef VARIANT_ENABLE_PINS
 
-// Off in the reverse order: first the driver's enables, which let the phases float, then its inputs.
+// Switching off has the reverse order: first the driver's enables, which let the phases float, then its inputs.
 static const stm32_pin_t enables[3] = {VARIANT_ENABLE_PINS};
 
 static void enables_init(void) {
@@ -108,15 +108,15 @@ static bool pwm_init(void) {
 #endif
 }
 
-// A halted core must leave neither a switched bridge nor a biting watchdog; the stamp shows the gap.
+// While the core is halted the bridge must not switch and the watchdog must not reset; the stamp shows the gap.
 static void halt_init(void) {
     REG_SET(STM32_DBG_APB2, STM32_DBG_TIM1_STOP);
     REG_SET(STM32_DBG_WATCHDOG, STM32_DBG_IWDG_STOP);
     REG_CLEAR(STM32_DBG_APB1, STM32_DBG_TIM2_STOP);
 }
 
-static bool low_sides_alone; // what the timer is set to
-static port_ran_t ran;       // its counter, in the call before
+static bool low_sides_alone; // present setting of the timer
+static port_ran_t ran;       // direction of its counter in the previous call
 
 bool board_reset_by_watchdog(void) {
     return stm32_reset_by_watchdog();
@@ -130,7 +130,7 @@ bool board_init(float i_trip_A) {
     low_sides_alone = false;
     ran = PORT_RAN_UNKNOWN;
     const bool clocked = chip_clock_init();
-    stm32_serial_init(clocked ? CHIP_F_SERIAL_Hz : CHIP_F_RC_Hz); // a failure is reported over it
+    stm32_serial_init(clocked ? CHIP_F_SERIAL_Hz : CHIP_F_RC_Hz); // needed to report a failure
     if (!clocked) {
         return false;
     }
@@ -142,7 +142,7 @@ bool board_init(float i_trip_A) {
         return false;
     }
     chip_deadline_init();
-    pwm_pins_init(); // only now: the timer holds its outputs inactive
+    pwm_pins_init(); // only now, when the timer holds its outputs inactive
     halt_init();
     return stm32_watchdog_init() && stm32_pwm_clear_trip();
 }

@@ -23,7 +23,7 @@ static inline void gpio_analog(stm32_pin_t pin) {
     gpio_mode(pin, GPIO_MODE_ANALOG);
 }
 
-/// The function is chosen before the mode, so that no other one reaches the pin in between.
+/// Sets the function before the mode, so that no other function reaches the pin in between.
 static inline void gpio_alternate(stm32_pin_t pin) {
     const uint32_t shift = 4u * (pin.pin % 8u);
     REG_CHANGE(pin.port->AFR[pin.pin / 8u], 15u << shift, pin.alternate << shift);

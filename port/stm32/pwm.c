@@ -59,17 +59,18 @@ bool stm32_pwm_init(const stm32_pwm_t *config) {
               TIM_CCMR2_OC3M_0 | TIM_CCMR2_OC3M_1 | TIM_CCMR2_OC3M_2 | TIM_CCMR2_OC3PE);
     stm32_pwm_write((lode_abc_t){0.5f, 0.5f, 0.5f}); // no voltage between the phases
     REG_WRITE(TIM1->CCER, HIGH_SIDES | (config->low_sides ? LOW_SIDES : 0u));
-    // Off means driven inactive (OSSI, OSSR), not floating. Lock level 2: until the next reset nobody
-    // changes dead time, break inputs, polarities and idle levels any more. No automatic return. All in
-    // one write: the first one after the reset freezes LOCK (RM0440 and RM0090, TIMx_BDTR).
+    // Off means driven inactive (OSSI, OSSR), not floating. Lock level 2: dead time, break inputs, polarities
+    // and idle levels cannot change until the next reset. No automatic restart. All in one write, because the
+    // first write after the reset freezes LOCK (RM0440 and RM0090, TIMx_BDTR).
     REG_WRITE(TIM1->BDTR,
               dtg | TIM_BDTR_OSSI | TIM_BDTR_OSSR | TIM_BDTR_LOCK_1 | config->break_bits);
-    REG_WRITE(TIM1->EGR, TIM_EGR_UG); // takes all of it over; nothing listens to the trigger yet
+    REG_WRITE(TIM1->EGR, TIM_EGR_UG); // loads all preloaded registers; nothing uses the trigger yet
     REG_WRITE(TIM1->SR, 0u);
     return true;
 }
 
-// Without its high side's output a low side's follows the compare signal itself, not its complement
+// If the output of the high side is disabled, that of the low side follows the compare signal itself, not its
+// complement
 // (RM0440, RM0090: output control bits for complementary channels): so mode 1, which is high where mode 2
 // is low. Lock level 2 leaves both registers free.
 void stm32_pwm_low_sides_alone(bool alone) {

@@ -2,8 +2,8 @@
 ///
 /// It counts up and down. In PWM mode 2 the high sides are on around the upper turning point, so all low
 /// sides are on around the lower one: there the shunts carry the phase currents. The update event comes
-/// there once per period (repetition counter 1), or with double update at both turning points (0). It takes
-/// the compare values over and triggers the ADCs: that instant is t_k.
+/// there once per period (repetition counter 1), or with double update at both turning points (0). It loads the
+/// compare values and triggers the ADCs: that instant is t_k.
 #ifndef LODESTAR_PORT_STM32_PWM_H
 #define LODESTAR_PORT_STM32_PWM_H
 
@@ -19,21 +19,22 @@ typedef struct {
     uint32_t break_bits;   ///< of BDTR: enable, polarity and filter of the break inputs
 } stm32_pwm_t;
 
-/// BDTR.DTG for at least this dead time; false where it is too long for the timer.
+/// BDTR.DTG for at least this dead time; false if it is too long for the timer.
 bool stm32_dead_time(uint32_t f_timer_Hz, uint32_t dead_time_ns, uint32_t *dtg);
 
-/// All of the timer as after a reset of the chip: outputs off, whatever ran before, and BDTR not written
-/// yet. Its clock must be on.
+/// Sets the whole timer to its state after a chip reset: outputs off, and BDTR not yet written. Its clock must
+/// be on.
 void stm32_pwm_reset(void);
 
-/// Everything but the counter's start and the outputs, straight after stm32_pwm_reset(): of BDTR only the
-/// first write counts. The pins must not be the timer's outputs yet. False: period or dead time do not fit.
+/// Configures everything but the counter's start and the outputs. Call directly after stm32_pwm_reset(),
+/// because only the first write to BDTR counts. The pins must not yet be outputs of the timer. False: period or
+/// dead time do not fit.
 bool stm32_pwm_init(const stm32_pwm_t *config);
 
 /// The counter starts at the lower turning point.
 void stm32_pwm_start(void);
 
-/// Into the compare registers' preload; duties in [0, 1].
+/// Writes the preload of the compare registers; duties in [0, 1].
 static inline void stm32_pwm_write(lode_abc_t duty) {
     const float steps = (float)REG_READ(TIM1->ARR);
     REG_WRITE(TIM1->CCR1, (uint32_t)(int32_t)((1.0f - duty.a) * steps + 0.5f));
@@ -41,23 +42,23 @@ static inline void stm32_pwm_write(lode_abc_t duty) {
     REG_WRITE(TIM1->CCR3, (uint32_t)(int32_t)((1.0f - duty.c) * steps + 0.5f));
 }
 
-/// A break has come and not been cleared.
+/// True if a break is latched.
 static inline bool stm32_pwm_tripped(void) {
     return (REG_READ(TIM1->SR) & STM32_BREAK_FLAGS) != 0u;
 }
 
-/// The counter runs down: from the upper turning point on.
+/// True if the counter runs down, which it does from the upper turning point on.
 static inline bool stm32_pwm_counts_down(void) {
     return (REG_READ(TIM1->CR1) & TIM_CR1_DIR) != 0u;
 }
 
-/// All outputs to their inactive level, at once.
+/// Sets all outputs to their inactive level at once.
 static inline void stm32_pwm_off(void) {
     REG_CLEAR(TIM1->BDTR, TIM_BDTR_MOE);
 }
 
-/// Outputs on, unless a break is latched. Where they are on already nothing is written: a break that
-/// comes in between must not be undone.
+/// Switches the outputs on, unless a break is latched. Writes nothing if they are already on: a break in
+/// between must not be undone.
 static inline bool stm32_pwm_on(void) {
     const uint32_t bdtr = REG_READ(TIM1->BDTR);
     if ((bdtr & TIM_BDTR_MOE) != 0u) {
@@ -70,9 +71,9 @@ static inline bool stm32_pwm_on(void) {
     return true;
 }
 
-/// From now on only the low sides' outputs, in the same share of the period; false: all six again. They go
-/// off on the way. For bridges with six inputs. There is no dead time without the high sides, and none is
-/// needed.
+/// True: from now on only the low sides' outputs switch, in the same share of the period; false: all six again.
+/// The change switches them off first. For bridges with six inputs. Without the high sides there is no dead
+/// time, and none is needed.
 void stm32_pwm_low_sides_alone(bool alone);
 
 /// False: the break input is still active.

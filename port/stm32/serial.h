@@ -4,9 +4,9 @@
 
 #include <stdint.h>
 
-/// `f_clock_Hz`: what the USART is clocked with.
+/// `f_clock_Hz`: clock of the USART.
 void stm32_serial_init(uint32_t f_clock_Hz);
-/// Puts as many octets as there is room for, without waiting; how many it took.
+/// Puts as many octets as there is room for, without waiting; returns their number.
 uint32_t stm32_serial_send(const uint16_t *octets, uint32_t count);
 
 #endif

@@ -1,10 +1,10 @@
-/// From reset to main(): memory, FPU, vector table. Needs nothing of the vendor's.
+/// From reset to main(): memory, FPU, vector table. Needs no vendor code.
 #include <stdint.h>
 
 #include "board.h"
 #include "stm32_device.h"
 
-// Of the linker script.
+// Symbols of the linker script.
 extern uint32_t stack_end[], data_load[], data_begin[], data_end[], bss_begin[], bss_end[];
 extern uint32_t hot_load[], hot_begin[], hot_end[];
 
@@ -40,7 +40,7 @@ void reset_handler(void) {
     stop_handler();
 }
 
-/// Faults and interrupts that nobody expects: gates off, then the watchdog resets.
+/// Faults and unexpected interrupts: gates off, then the watchdog resets.
 void stop_handler(void) {
     board_gates_off();
     for (;;) {
@@ -54,7 +54,7 @@ typedef union {
 
 #define EXCEPTIONS 16
 
-// A vector that is not named here is 0: taken all the same, it ends in the hard fault.
+// A vector that is not named here is 0; if taken, it ends in the hard fault.
 __attribute__((section(".vectors"), used)) static const vector_t vectors[] = {
     [0] = {.stack = stack_end},
     [1] = {.handler = reset_handler},

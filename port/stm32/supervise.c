@@ -2,7 +2,7 @@
 
 #include "chip.h"
 
-// LSI / 4 is some 8 kHz.
+// LSI / 4 is about 8 kHz.
 #define WATCHDOG_DIVIDER 0u
 #define WATCHDOG_RELOAD 160u
 
@@ -37,6 +37,6 @@ void stm32_stamp_start(void) {
     REG_WRITE(TIM2->CR1, 0u);
     REG_WRITE(TIM2->PSC, 0u);
     REG_WRITE(TIM2->ARR, UINT32_MAX);
-    REG_WRITE(TIM2->EGR, TIM_EGR_UG); // takes the prescaler over
+    REG_WRITE(TIM2->EGR, TIM_EGR_UG); // loads the prescaler
     REG_WRITE(TIM2->CR1, TIM_CR1_CEN);
 }

@@ -4,27 +4,27 @@
 
 #include "reg.h"
 
-/// A watchdog's flag among the causes of a reset; clears them all.
+/// True if a watchdog is among the causes of the reset; clears all causes.
 bool stm32_reset_by_watchdog(void);
 
-/// A crystal that stops is a break of TIM1 and an NMI, and the core goes on with the internal oscillator
-/// (clock security system, CSS). Nothing where the board has no crystal.
+/// A crystal that stops causes a break of TIM1 and an NMI, and the core continues with the internal oscillator
+/// (clock security system, CSS). Does nothing if the board has no crystal.
 void stm32_clock_watch(void);
 
-/// The watchdog's clock (LSI). False: it does not run.
+/// Starts the watchdog's clock (LSI). False: it does not run.
 bool stm32_watchdog_init(void);
 
-/// Some 20 ms (13 .. 38 ms over the tolerance of the STM32F4's LSI). Reset lets the pins float: the gate
-/// drivers' pull-downs switch off. It cannot be stopped again.
+/// Starts the watchdog: about 20 ms (13 .. 38 ms over the tolerance of the STM32F4's LSI). A reset lets the
+/// pins float, so that the gate drivers' pull-downs switch off. It cannot be stopped again.
 void stm32_watchdog_start(void);
 
 static inline void stm32_watchdog_feed(void) {
     REG_WRITE(STM32_WATCHDOG->KR, 0xAAAAu);
 }
 
-/// Starts TIM2 as a free-running counter of 32 bits. It runs on while a debugger
-/// holds the core: the core's own cycle counter (DWT) stands still then, and the first period after a
-/// breakpoint would look like any other.
+/// Starts TIM2 as a free-running counter of 32 bits. It keeps running while a debugger halts the core. The
+/// core's own cycle counter (DWT) stops then, and the first period after a breakpoint would look like any
+/// other.
 void stm32_stamp_start(void);
 
 static inline uint32_t stm32_stamp(void) {

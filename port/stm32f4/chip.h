@@ -16,7 +16,7 @@
 #define CHIP_F_CPU_Hz 168000000u
 #define CHIP_F_PWM_Hz CHIP_F_CPU_Hz ///< TIM1
 #define CHIP_F_SERIAL_Hz 42000000u  ///< APB1: USART3
-#define CHIP_F_RC_Hz 16000000u      ///< everything, where the clocks have not come up
+#define CHIP_F_RC_Hz 16000000u      ///< of all clocks, if the oscillator or the PLL has not started
 #define CHIP_F_STAMP_Hz 84000000u   ///< TIM2: twice APB1, half the core
 
 /// Core 168 MHz, APB1 42 MHz, APB2 84 MHz. False: an oscillator or the PLL does not come.
@@ -25,25 +25,25 @@ bool chip_clock_init(void);
 /// The break input's pin. Before the break input is armed.
 void chip_protection_init(float i_trip_A);
 
-/// True: the driver's fault output cannot be made to act.
+/// Always true: the driver's fault output cannot be activated by software.
 bool chip_protection_test(void);
 
-/// ADC1, ADC2 and ADC3, injected and simultaneous, two ranks each, on TIM1's TRGO. True: nothing in here
-/// can be seen to fail.
+/// ADC1, ADC2 and ADC3, injected and simultaneous, two ranks each, on TIM1's TRGO. Always true: no failure is
+/// detectable here.
 bool chip_converters_init(void);
 
 /// From now on a trigger raises the interrupt.
 void chip_converters_arm(void);
 
-/// Before the next results.
+/// Call before the next results.
 static inline void chip_converters_acknowledge(void) {
     REG_WRITE(ADC1->SR, ~(uint32_t)(ADC_SR_JEOC | ADC_SR_JSTRT));
 }
 
-/// Without an interrupt for one and a half times what lies between two calls the outputs go off, and stay so.
+/// Switches the outputs off for good if no interrupt comes for one and a half times the time between two calls.
 void chip_deadline_init(void);
 
-/// The interrupt has come: the deadline moves on.
+/// Call in the interrupt: moves the deadline on.
 static inline void chip_deadline_move(void) {
     REG_WRITE(TIM8->CNT, 0u);
 }

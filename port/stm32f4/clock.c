@@ -27,7 +27,7 @@ bool chip_clock_init(void) {
     if (!reg_await(&RCC->CR, RCC_CR_PLLRDY, RCC_CR_PLLRDY) || !ok) {
         return false;
     }
-    // Dividers before the switch: no bus is ever too fast.
+    // Set the dividers before the switch, so that no bus is ever too fast.
     REG_WRITE(RCC->CFGR, APB_BY_4 << RCC_CFGR_PPRE1_Pos | APB_BY_2 << RCC_CFGR_PPRE2_Pos);
     REG_CHANGE(RCC->CFGR, RCC_CFGR_SW, SWITCH_PLL << RCC_CFGR_SW_Pos);
     const bool switched = reg_await(&RCC->CFGR, RCC_CFGR_SWS, SWITCH_PLL << RCC_CFGR_SWS_Pos);

@@ -7,12 +7,12 @@
 #define RISING_EDGE 1u       // of
 #define TRIGGER_TIM1_TRGO 1u // the update event
 #define RANKS 2u
-#define STABLE_LOOPS 200u // 3 us at 168 MHz and some cycles per loop
+#define STABLE_LOOPS 200u // 3 us at 168 MHz with a few cycles per loop
 
 // With a length of two the ranks are the sequence's third and fourth; their results are JDR1 and JDR2.
 static void converter(ADC_TypeDef *adc, const uint32_t ranks[RANKS], uint32_t cr2) {
     const stm32_sampling_t times = stm32_sampling(ranks, RANKS, SAMPLE_15);
-    REG_WRITE(adc->SMPR1, times.high); // the other way round than in other families
+    REG_WRITE(adc->SMPR1, times.high); // reversed compared with other families
     REG_WRITE(adc->SMPR2, times.low);
     REG_WRITE(adc->JSQR, (RANKS - 1u) << ADC_JSQR_JL_Pos | ranks[0] << ADC_JSQR_JSQ3_Pos |
                              ranks[1] << ADC_JSQR_JSQ4_Pos);
@@ -21,7 +21,7 @@ static void converter(ADC_TypeDef *adc, const uint32_t ranks[RANKS], uint32_t cr
 }
 
 void chip_protection_init(float i_trip_A) {
-    (void)i_trip_A; // the driver's own
+    (void)i_trip_A; // the driver has its own threshold
     static const stm32_pin_t fault = VARIANT_BREAK_PIN;
     gpio_pull_up(fault); // open drain, active low
     gpio_alternate(fault);

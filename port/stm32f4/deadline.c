@@ -1,6 +1,7 @@
-/// Gates off by hardware where the interrupt does not come, as on the STM32G4. The DMA unit that TIM2 can ask
-/// does not reach TIM1 in this family (RM0090, bus matrix); that of TIM8 does. TIM8 runs on while a debugger
-/// holds the core, wraps half a period after the interrupt was due, and has it write TIM1's BDTR.
+/// Switches the gates off by hardware if the interrupt does not come, as on the STM32G4. The DMA unit that TIM2
+/// can trigger does not reach TIM1 in this family (RM0090, bus matrix); that of TIM8 does. TIM8 keeps running
+/// while a debugger halts the core, wraps half a period after the interrupt was due, and makes the DMA write
+/// TIM1's BDTR.
 #include "chip.h"
 
 #define PRESCALER 4u       // 16 bits then hold one and a half periods of 1 kHz
@@ -8,7 +9,7 @@
 #define CHANNEL_Pos 25u    // DMA_SxCR.CHSEL
 #define TICKS (3u * (CHIP_F_PWM_Hz / PRESCALER / PORT_F_CALL_Hz) / 2u)
 
-// Of BDTR only MOE can still be written: all else is locked.
+// Only MOE of BDTR can still be written: all else is locked.
 static const uint32_t outputs_off = 0u;
 
 void chip_deadline_init(void) {
@@ -18,14 +19,14 @@ void chip_deadline_init(void) {
     REG_WRITE(DMA2_Stream1->PAR, (uint32_t)(uintptr_t)&TIM1->BDTR);
     REG_WRITE(DMA2_Stream1->M0AR, (uint32_t)(uintptr_t)&outputs_off);
     REG_WRITE(DMA2_Stream1->NDTR, 1u);
-    // Memory to peripheral, words, the same one for ever, before all other transfers.
+    // Memory to peripheral, words, always the same one, with the highest priority.
     REG_WRITE(DMA2_Stream1->CR, REQUEST_TIM8_UP << CHANNEL_Pos | DMA_SxCR_DIR_0 | DMA_SxCR_CIRC |
                                     DMA_SxCR_PSIZE_1 | DMA_SxCR_MSIZE_1 | DMA_SxCR_PL |
                                     DMA_SxCR_EN);
     REG_WRITE(TIM8->CR1, 0u);
     REG_WRITE(TIM8->PSC, PRESCALER - 1u);
     REG_WRITE(TIM8->ARR, TICKS - 1u);
-    REG_WRITE(TIM8->EGR, TIM_EGR_UG); // takes the prescaler over; nobody is asked yet
+    REG_WRITE(TIM8->EGR, TIM_EGR_UG); // loads the prescaler; no DMA request is enabled yet
     REG_WRITE(TIM8->DIER, TIM_DIER_UDE);
     REG_WRITE(TIM8->CR1, TIM_CR1_CEN);
 }

@@ -43,8 +43,8 @@ bool board_init(float i_trip_A) {
     REG_WRITE(TIM5->CR1, TIM_CR1_CEN);
     REG_WRITE(TIM2->PSC, PRESCALER - 1u);
     REG_WRITE(TIM2->ARR, PERIOD_us);
-    // The model adds the time at which it was armed to every period, unless it counts from its own zero.
-    // TIM3, never touched, shows the time since then in ns.
+    // The model adds the time of arming to every period, unless the timer counts from its own zero. TIM3, which
+    // is never written, shows the time since then in ns.
     REG_WRITE(TIM2->CNT, REG_READ(TIM3->CNT) / PRESCALER);
     REG_WRITE(TIM2->SR, 0u);
     return true;

@@ -3,16 +3,16 @@
 #include "pwm.h"
 #include "sampling.h"
 
-#define CLOCK_BY_4 3u         // 42.5 MHz of at most 52 with two ADCs at work
+#define CLOCK_BY_4 3u         // 42.5 MHz; at most 52 with two ADCs in use
 #define DUAL_INJECTED 5u      // ADC2 follows ADC1's trigger
 #define SAMPLE_6_5 1u         // cycles of 23.5 ns
-#define RANKS 3u              // of either: equal lengths end together
+#define RANKS 3u              // per ADC: equal lengths end together
 #define RISING_EDGE 1u        // of
 #define TRIGGER_TIM1_TRGO 0u  // the update event
-#define REGULATOR_LOOPS 1000u // 20 us at 170 MHz and some cycles per loop
+#define REGULATOR_LOOPS 1000u // 20 us at 170 MHz with a few cycles per loop
 #define READY_LOOPS 100u
 
-// A core in lock-up, or flash with an error that cannot be corrected, is a break of TIM1 (RM0440,
+// A lock-up of the core, or an uncorrectable flash error, is a break of TIM1 (RM0440,
 // SYSCFG_CFGR2). Cannot be undone before the next reset.
 static void lockup_breaks(void) {
     REG_SET(RCC->APB2ENR, RCC_APB2ENR_SYSCFGEN);
@@ -22,13 +22,13 @@ static void lockup_breaks(void) {
 #ifdef VARIANT_INTERNAL_ANALOG
 
 #define AMPLIFIER_PGA 2u     // VMSEL
-#define GAIN_16_BIASED 0x0Bu // PGGAIN: 16, the foot of the divider on VINM0
+#define GAIN_16_BIASED 0x0Bu // PGGAIN: 16, low end of the divider on VINM0
 #define MINUS_DAC3 4u        // INMSEL: channel 1 for comparator 1, channel 2 for 2 and 4
 #define DAC_INTERNAL 3u      // MODE: to the chip only, no buffer
 #define DAC_FAST 2u          // HFSEL: AHB above 160 MHz
 #define DAC_RANGE 4095.0f
 #define DAC_LOOPS                                                                                  \
-    1000u // 20 us at 170 MHz: DAC, comparator and break filter together take some 2 us
+    1000u // 20 us at 170 MHz; DAC, comparator and break filter together take about 2 us
 
 static void amplifier(OPAMP_TypeDef *unit) {
     REG_WRITE(unit->CSR, AMPLIFIER_PGA << OPAMP_CSR_VMSEL_Pos |
@@ -45,7 +45,7 @@ static uint32_t threshold; // count of DAC3
 void chip_protection_init(float i_trip_A) {
     const float trip_A = port_trip_A(i_trip_A, VARIANT_TRIP_MIN_A, VARIANT_TRIP_MAX_A);
     threshold = (uint32_t)(int32_t)(VARIANT_TRIP_V(trip_A) / VARIANT_V_REF_V * DAC_RANGE + 0.5f);
-    lockup_breaks(); // and clocks amplifiers and comparators
+    lockup_breaks(); // also clocks amplifiers and comparators
     REG_SET(RCC->AHB2ENR, RCC_AHB2ENR_DAC3EN);
     amplifier(OPAMP1);
     amplifier(OPAMP2);
@@ -55,7 +55,7 @@ void chip_protection_init(float i_trip_A) {
     REG_WRITE(DAC3->CR, DAC_CR_EN1 | DAC_CR_EN2);
     REG_WRITE(DAC3->DHR12R1, threshold);
     REG_WRITE(DAC3->DHR12R2, threshold);
-    stm32_wait(REGULATOR_LOOPS); // the threshold stands before anything compares with it
+    stm32_wait(REGULATOR_LOOPS); // the threshold must settle before it is compared
     comparator(COMP1);
     comparator(COMP2);
     comparator(COMP4);
@@ -89,7 +89,7 @@ static void break_pin(stm32_pin_t pin) {
 }
 
 void chip_protection_init(float i_trip_A) {
-    (void)i_trip_A; // the driver's own
+    (void)i_trip_A; // the driver has its own threshold
     static const stm32_pin_t pin = VARIANT_BREAK_PIN;
     lockup_breaks();
     break_pin(pin);
@@ -102,13 +102,13 @@ void chip_protection_init(float i_trip_A) {
 }
 
 bool chip_protection_test(void) {
-    return true; // the driver's fault output cannot be made to act
+    return true; // the driver's fault output cannot be activated by software
 }
 
 #endif
 
 static bool wake(ADC_TypeDef *adc) {
-    REG_WRITE(adc->CR, 0u); // out of deep power-down
+    REG_WRITE(adc->CR, 0u); // leaves deep power-down
     REG_WRITE(adc->CR, ADC_CR_ADVREGEN);
     stm32_wait(REGULATOR_LOOPS);
     REG_WRITE(adc->CR, ADC_CR_ADVREGEN | ADC_CR_ADCAL);
@@ -163,7 +163,7 @@ static void sequences(void) {
 
 bool chip_converters_init(void) {
     REG_SET(RCC->AHB2ENR, RCC_AHB2ENR_ADC12EN);
-    REG_WRITE(ADC12_COMMON->CCR, CLOCK_BY_4 << ADC_CCR_CKMODE_Pos); // calibration runs on it
+    REG_WRITE(ADC12_COMMON->CCR, CLOCK_BY_4 << ADC_CCR_CKMODE_Pos); // the clock of the calibration
     if (!wake(ADC1) || !wake(ADC2)) {
         return false;
     }
@@ -172,7 +172,7 @@ bool chip_converters_init(void) {
     if (!enable(ADC1) || !enable(ADC2)) {
         return false;
     }
-    sequences(); // of an ADC that is on (RM0440, constraints when writing the ADC control bits)
+    sequences(); // only while the ADC is on (RM0440, constraints when writing the ADC control bits)
     return true;
 }
 

@@ -17,17 +17,17 @@
 #define CHIP_F_PWM_Hz CHIP_F_CPU_Hz    ///< TIM1
 #define CHIP_F_STAMP_Hz CHIP_F_CPU_Hz  ///< TIM2
 #define CHIP_F_SERIAL_Hz CHIP_F_CPU_Hz ///< USART2
-#define CHIP_F_RC_Hz 16000000u         ///< everything, where the clocks have not come up
+#define CHIP_F_RC_Hz 16000000u ///< of all clocks, if the oscillator or the PLL has not started
 
 /// Core, buses and timers at 170 MHz. False: an oscillator or the PLL does not come.
 bool chip_clock_init(void);
 
-/// Amplifiers, comparators and their threshold, where the variant uses the chip's own, and the sources of
-/// TIM1's break. After stm32_pwm_reset(), before the break input is armed.
+/// Amplifiers, comparators and their threshold, if the variant uses the chip's own, and the sources of TIM1's
+/// break. After stm32_pwm_reset(), before the break input is armed.
 void chip_protection_init(float i_trip_A);
 
-/// Each of the chip's own comparators trips when its threshold falls below the signal of no current, and
-/// not otherwise.
+/// True if each of the chip's own comparators trips when its threshold falls below the zero-current signal, and
+/// only then.
 bool chip_protection_test(void);
 
 /// ADC1 and ADC2, injected and simultaneous, three ranks each, on TIM1's TRGO. False: no answer.
@@ -40,7 +40,7 @@ void chip_converters_arm(void);
 #error "One shunt needs a whole period for its two samples: no VARIANT_DOUBLE_UPDATE"
 #endif
 
-/// Before the next results.
+/// Call before the next results.
 #ifdef VARIANT_LINK
 void chip_converters_acknowledge(void);
 /// Sequences and triggers with one shunt.
@@ -51,16 +51,17 @@ static inline void chip_converters_acknowledge(void) {
 }
 #endif
 
-/// Without an interrupt for one and a half times what lies between two calls the outputs go off, and stay so. After stm32_stamp_start().
+/// Switches the outputs off for good if no interrupt comes for one and a half times the time between two calls.
+/// After stm32_stamp_start().
 void chip_deadline_init(void);
 
-/// The interrupt has come: the deadline moves on.
+/// Call in the interrupt: moves the deadline on.
 static inline void chip_deadline_move(void) {
     REG_WRITE(TIM2->CCR1, REG_READ(TIM2->CNT) + 3u * (CHIP_F_STAMP_Hz / PORT_F_CALL_Hz) / 2u);
 }
 
-/// Break inputs: enabled, the sources' own polarities stand in AF1 and AF2; filter of six equal samples at
-/// half the timer's clock: 71 ns of silence in a spike.
+/// Break inputs: enabled, polarities of the sources in AF1 and AF2; filter of six equal samples at half the
+/// timer's clock: rejects spikes up to 71 ns.
 #define CHIP_BREAK_FILTER 4u
 #define CHIP_BREAK1_BITS (TIM_BDTR_BKE | TIM_BDTR_BKP | CHIP_BREAK_FILTER << TIM_BDTR_BKF_Pos)
 #ifdef VARIANT_BREAK2_PIN

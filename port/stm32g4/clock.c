@@ -3,7 +3,7 @@
 
 #define HSI_Hz 16000000u
 #define PLL_INPUT_Hz 4000000u // 2.66 .. 16 MHz; divides every source in use
-#define PLL_N 85u             // 340 MHz, and R = 2 makes 170 MHz of it
+#define PLL_N 85u             // 340 MHz; R = 2 gives 170 MHz
 #define PLL_SOURCE_HSI 2u
 #define PLL_SOURCE_HSE 3u
 #define SWITCH_PLL 3u
@@ -32,7 +32,7 @@ bool chip_clock_init(void) {
     if (!reg_await(&RCC->CR, RCC_CR_PLLRDY, RCC_CR_PLLRDY) || !ok) {
         return false;
     }
-    // Beyond 80 MHz the bus takes the step in two halves.
+    // Above 80 MHz the bus clock is raised in two steps.
     REG_CHANGE(RCC->CFGR, RCC_CFGR_HPRE, HALF_SPEED << RCC_CFGR_HPRE_Pos);
     REG_CHANGE(RCC->CFGR, RCC_CFGR_SW, SWITCH_PLL << RCC_CFGR_SW_Pos);
     ok = reg_await(&RCC->CFGR, RCC_CFGR_SWS, SWITCH_PLL << RCC_CFGR_SWS_Pos);

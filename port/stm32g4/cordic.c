@@ -19,7 +19,7 @@ static LODE_NOINLINE void cordic_init(void) {
     const uint32_t control = FUNCTION_COSINE << CORDIC_CSR_FUNC_Pos |
                              CYCLES << CORDIC_CSR_PRECISION_Pos | CORDIC_CSR_NRES;
     REG_SET(RCC->AHB1ENR, RCC_AHB1ENR_CORDICEN);
-    (void)REG_READ(RCC->AHB1ENR); // the clock is there two cycles later
+    (void)REG_READ(RCC->AHB1ENR); // the clock is ready two cycles later
     REG_WRITE(CORDIC->CSR, control | CORDIC_CSR_NARGS);
     REG_WRITE(CORDIC->WDATA, 0u);
     REG_WRITE(CORDIC->WDATA, ONE); // kept from now on
@@ -34,14 +34,14 @@ LODE_RAMFUNC lode_sincos_t lode_sincos_board(float x_rad) {
     const float n = (float)(int32_t)(turns + (turns < 0.0f ? -0.5f : 0.5f));
     const float r = (x_rad - n * TWO_PI_HIGH) - n * TWO_PI_LOW;
     const int32_t angle = (int32_t)lode_clamp(r * Q31_PER_RAD, -Q31_MAX, Q31_MAX);
-    // The interrupt must not come between the thread's argument and its results.
+    // Blocks the interrupt between the argument of the thread and its results.
     const uint32_t masked = __get_PRIMASK();
     __disable_irq();
     if (!ready) {
         cordic_init();
     }
     REG_WRITE(CORDIC->WDATA, (uint32_t)angle);
-    const int32_t cos_q31 = (int32_t)REG_READ(CORDIC->RDATA); // the bus waits for it
+    const int32_t cos_q31 = (int32_t)REG_READ(CORDIC->RDATA); // the bus waits for the result
     const int32_t sin_q31 = (int32_t)REG_READ(CORDIC->RDATA);
     __set_PRIMASK(masked);
     return (lode_sincos_t){(float)sin_q31 * PER_Q31, (float)cos_q31 * PER_Q31};

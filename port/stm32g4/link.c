@@ -16,7 +16,7 @@
 #define TRIGGER_TIM1_TRGO2 8u
 #define RISING_EDGE 1u
 #define NEXT_ns 500u // before t_k: rising edges for the next period, and the bus's conversion
-// Where the edges leave no room the samples are of no use, but must still come one after the other.
+// If the edges leave no room the samples are useless, but they must still come in order.
 #define SAMPLE_BLIND_1 0.6f
 #define SAMPLE_BLIND_2 0.9f
 
@@ -24,14 +24,14 @@ uint32_t chip_link_rise[3];
 
 static lode_single_shunt_t shunt;
 static lode_single_shunt_tuning_t tuning;
-static lode_single_shunt_plan_t plan; // of the next period
-static bool complete;                 // both samples of the last one
+static lode_single_shunt_plan_t plan; // for the next period
+static bool complete;                 // both samples of the last period are there
 
 static uint32_t compare(float edge) {
     return (uint32_t)(int32_t)((1.0f - edge) * (float)REG_READ(TIM1->ARR) + 0.5f);
 }
 
-// A share of the period in its second half, where the counter runs down.
+// Counter value for a share of the period in its second half, while the counter runs down.
 static uint32_t instant(float share) {
     return (uint32_t)(int32_t)(2.0f * (1.0f - share) * (float)REG_READ(TIM1->ARR) + 0.5f);
 }
@@ -52,7 +52,7 @@ static void timer_init(void) {
     REG_WRITE(TIM1->CCR5, instant(SAMPLE_BLIND_1));
     REG_WRITE(TIM1->CCR6, instant(SAMPLE_BLIND_2));
     REG_WRITE(TIM1->DCR, BURST_CCR1_TO_3);
-    REG_WRITE(TIM1->EGR, TIM_EGR_UG); // takes all of it over
+    REG_WRITE(TIM1->EGR, TIM_EGR_UG); // loads all preloaded registers
     REG_WRITE(TIM1->SR, 0u);
 }
 
@@ -62,7 +62,7 @@ static void dma_init(void) {
     REG_WRITE(DMA1_Channel2->CPAR, (uint32_t)(uintptr_t)&TIM1->DMAR);
     REG_WRITE(DMA1_Channel2->CMAR, (uint32_t)(uintptr_t)chip_link_rise);
     REG_WRITE(DMA1_Channel2->CNDTR, 3u);
-    // Memory to peripheral, words, the same three for ever, before all other transfers.
+    // Memory to peripheral, words, always the same three, with the highest priority.
     REG_WRITE(DMA1_Channel2->CCR, DMA_CCR_DIR | DMA_CCR_CIRC | DMA_CCR_MINC | DMA_CCR_PSIZE_1 |
                                       DMA_CCR_MSIZE_1 | DMA_CCR_PL | DMA_CCR_EN);
     REG_SET(TIM1->DIER, TIM_DIER_CC4DE); // the flag comes while the counter runs down
@@ -100,10 +100,10 @@ void chip_link_converters(void) {
     REG_WRITE(ADC2->IER, ADC_IER_JEOSIE);
 }
 
-// From here on, what the interrupt runs: from flash, as the arithmetic in src/single_shunt.c. The 10 KB of
-// CCM SRAM hold the step and little else.
+// The interrupt runs the code below from flash, as it does src/single_shunt.c: the 10 KB of CCM SRAM hold
+// little more than the step.
 
-// With one trigger missed the next sample would be taken for the first, from then on: begin anew.
+// After a missed trigger the next sample would count as the first one from then on, so restart the sequence.
 static void converter_begins_anew(void) {
     REG_WRITE(ADC1->CR, ADC_CR_ADVREGEN | ADC_CR_JADSTP);
     (void)reg_await(&ADC1->CR, ADC_CR_JADSTP | ADC_CR_JADSTART, 0u);
@@ -117,7 +117,7 @@ void chip_converters_acknowledge(void) {
         converter_begins_anew();
     }
     REG_WRITE(ADC1->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
-    // Before the upper turning point, where they are taken over.
+    // Written before the upper turning point, which loads them.
     REG_WRITE(TIM1->CCR1, compare(plan.fall.a));
     REG_WRITE(TIM1->CCR2, compare(plan.fall.b));
     REG_WRITE(TIM1->CCR3, compare(plan.fall.c));

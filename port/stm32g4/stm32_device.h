@@ -1,4 +1,4 @@
-/// What the common STM32 code must know of the STM32G4: the names that differ between families.
+/// What the common STM32 code needs of the STM32G4: the names that differ between families.
 #ifndef LODESTAR_PORT_STM32_DEVICE_H
 #define LODESTAR_PORT_STM32_DEVICE_H
 

@@ -4,7 +4,7 @@
 #define HSI_Hz 64000000u
 #define PLL_INPUT_Hz 2000000u
 #define PLL_INPUT_2_4_MHZ 1u
-#define PLL_N 400u // VCO 800 MHz, and P = 2 makes 400 MHz of it
+#define PLL_N 400u // VCO 800 MHz; P = 2 gives 400 MHz
 #define PLL_P 2u
 #define PLL_SOURCE_HSE 2u
 #define SWITCH_PLL 3u
@@ -19,8 +19,8 @@
 #define SCB_CCR_AT 0xE000ED14u
 #define SCB_CCR_ICACHE (1u << 17)
 
-// What is not in the ITCM runs from flash. The data cache stays off: data are in the DTCM, past which it
-// would not be asked, and nothing that the DMA touches need be kept coherent.
+// Code outside the ITCM runs from flash. The data cache stays off: data are in the DTCM, which is not cached,
+// and DMA buffers need no cache maintenance.
 static void instruction_cache_on(void) {
 #ifdef __arm__
     *(volatile uint32_t *)SCB_ICIALLU_AT = 0u;
@@ -62,7 +62,7 @@ bool chip_clock_init(void) {
     if (!reg_await(&RCC->CR, RCC_CR_PLL1RDY, RCC_CR_PLL1RDY) || !ok) {
         return false;
     }
-    // Wait states and dividers before the switch: no bus is ever too fast.
+    // Set wait states and dividers before the switch, so that no bus is ever too fast.
     const uint32_t access = FLASH_WAIT_STATES | FLASH_SIGNAL_DELAY << FLASH_ACR_WRHIGHFREQ_Pos;
     REG_WRITE(FLASH->ACR, access);
     ok = reg_await(&FLASH->ACR, UINT32_MAX, access);

@@ -6,15 +6,15 @@
 #define DUAL_INJECTED 5u      // ADC2 follows ADC1's trigger
 #define SAMPLE_8_5 2u         // cycles of 40 ns
 #define TWELVE_BITS 2u        // CFGR.RES
-#define RANKS 3u              // of either: equal lengths end together
+#define RANKS 3u              // per ADC: equal lengths end together
 #define RISING_EDGE 1u        // of
 #define TRIGGER_TIM1_TRGO 0u  // the update event
-#define REGULATOR_LOOPS 1000u // 20 us at 400 MHz and some cycles per loop
+#define REGULATOR_LOOPS 1000u // 20 us at 400 MHz with a few cycles per loop
 #define READY_LOOPS 500u
 #define BOOST_25_MHZ (2u << ADC_CR_BOOST_Pos) // above 12.5 MHz, up to 25
 #define ON (ADC_CR_ADVREGEN | BOOST_25_MHZ)
 
-// A core in lock-up, or flash with an error that cannot be corrected, is a break of TIM1 (RM0433,
+// A lock-up of the core, or an uncorrectable flash error, is a break of TIM1 (RM0433,
 // SYSCFG_CFGR). Cannot be undone before the next reset.
 static void lockup_breaks(void) {
     REG_SET(RCC->APB4ENR, RCC_APB4ENR_SYSCFGEN);
@@ -22,7 +22,7 @@ static void lockup_breaks(void) {
 }
 
 void chip_protection_init(float i_trip_A) {
-    (void)i_trip_A; // the driver's own
+    (void)i_trip_A; // the driver has its own threshold
     static const stm32_pin_t fault = VARIANT_BREAK_PIN;
     lockup_breaks();
     gpio_pull_up(fault); // open drain, active low
@@ -36,7 +36,8 @@ bool chip_protection_test(void) {
 
 static void sequence(ADC_TypeDef *adc, const uint32_t ranks[RANKS], uint32_t trigger) {
     const stm32_sampling_t times = stm32_sampling(ranks, RANKS, SAMPLE_8_5);
-    REG_WRITE(adc->PCSEL, 1u << ranks[0] | 1u << ranks[1] | 1u << ranks[2]); // their switches
+    REG_WRITE(adc->PCSEL,
+              1u << ranks[0] | 1u << ranks[1] | 1u << ranks[2]); // analog switches of the channels
     REG_WRITE(adc->SMPR1, times.low);
     REG_WRITE(adc->SMPR2, times.high);
     REG_WRITE(adc->CFGR, TWELVE_BITS << ADC_CFGR_RES_Pos);
@@ -46,7 +47,7 @@ static void sequence(ADC_TypeDef *adc, const uint32_t ranks[RANKS], uint32_t tri
 
 // Calibrated for offset and linearity.
 static bool wake(ADC_TypeDef *adc) {
-    REG_WRITE(adc->CR, 0u); // out of deep power-down
+    REG_WRITE(adc->CR, 0u); // leaves deep power-down
     REG_WRITE(adc->CR, ON);
     stm32_wait(REGULATOR_LOOPS);
     REG_WRITE(adc->CR, ON | ADC_CR_ADCALLIN | ADC_CR_ADCAL);
@@ -75,7 +76,7 @@ bool chip_converters_init(void) {
     if (!enable(ADC1) || !enable(ADC2)) {
         return false;
     }
-    // Of ADCs that are on, as the STM32G4's manual has it for the same unit.
+    // Only while the ADCs are on, as the STM32G4's manual requires for the same unit.
     sequence(ADC1, ranks1,
              RISING_EDGE << ADC_JSQR_JEXTEN_Pos | TRIGGER_TIM1_TRGO << ADC_JSQR_JEXTSEL_Pos);
     sequence(ADC2, ranks2, 0u);

@@ -7,20 +7,20 @@
 #include "figures.h"
 #include "temperature.h"
 
-#define WAKE_us 1000u       // of a gate driver, after its enable
-#define DRIVER_RESET_us 20u // its fault latch: enable low for 8 .. 40 us (DRV8320)
-#define TRIP_LATCH_us 2u    // a comparator's filter and the crossbar, twice over
+#define WAKE_us 1000u       // wake-up time of a gate driver after its enable
+#define DRIVER_RESET_us 20u // clears its fault latch: enable low for 8 .. 40 us (DRV8320)
+#define TRIP_LATCH_us 2u    // twice the delay of a comparator's filter and the crossbar
 
-// A cycle counter may stand still while a debugger holds the core, so the stamp may not show the gap: the
-// ADCs do, whose results nobody has taken.
+// A cycle counter may stop while a debugger halts the core, so the stamp may not show the gap. The overrun
+// flags of the ADCs show it.
 static bool missed_periods;
 
-// Of the comparators, in counts of their DACs: a current of either sign.
+// Thresholds of the comparators in counts of their DACs, for a current of either sign.
 static uint16_t threshold_high;
 static uint16_t threshold_low;
 
-static bool low_sides_alone; // what the ePWM are set to
-static port_ran_t ran;       // the first one's counter, in the call before
+static bool low_sides_alone; // present setting of the ePWM
+static port_ran_t ran;       // direction of the first counter in the previous call
 
 void ti_init(void) {
     port_temperature_init();
@@ -74,7 +74,7 @@ void ti_set_trip(float i_trip_A) {
     }
 }
 
-// One comparator across the signal of no current and back.
+// Moves the threshold of one comparator across the zero-current signal and back.
 static bool trips(uint32_t phase, uint16_t high, uint16_t low) {
     chip_comparator_set(phase, high, low);
     chip_wait_us(TRIP_LATCH_us);
@@ -101,7 +101,7 @@ void ti_driver_enable(void) {
     chip_wait_us(WAKE_us);
 }
 
-// The driver may latch its faults too, until its enable has been low.
+// The driver may also latch its faults until its enable has been low.
 bool board_clear_trip(void) {
     if (chip_pwm_tripped()) {
         board_gates_off();

@@ -116,7 +116,7 @@
 #define INTXBAR0_G2 0x502D5108u // output 0; group 2 is ADC
 #define INTXBAR_ADC_INT1(n) (1u << (5u * (uint32_t)(n)))
 #define CONTROLSS_CLKSYNC 0x502F0010u // a bit per ePWM
-// A halt of which core reaches this ePWM, as its TZ6 and its emulation mode; 0, none, after reset.
+// The core whose halt reaches this ePWM as TZ6 and emulation mode; 0 (none) after reset.
 #define CONTROLSS_EPWM_HALTEN(n) (0x502F0500u + 4u * (uint32_t)(n))
 #define HALTEN_R5SS0_CORE0 0x1u
 #define CONTROLSS_KICK0 0x502F1008u

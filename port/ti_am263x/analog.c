@@ -2,8 +2,8 @@
 
 #define SETTLE_us 100u
 #define POWER_UP_us 1000u
-// The comparators' filter: eight of ten samples, one every 50 ns: 0.4 us of a real over-current.
-#define FILTER_CLOCKS (10u - 1u) // the register holds one less
+// The comparators' filter: eight of ten samples, one every 50 ns: a trip takes 0.4 us of over-current.
+#define FILTER_CLOCKS (10u - 1u) // the register holds this minus one
 #define FILTER FILCTL(10u, 8u)
 #define REFERENCES_ON 7u
 #define REFERENCES_COMPARED 0x777u // of all five ADCs
@@ -34,7 +34,7 @@ static void comparator(uint32_t base) {
 void chip_protection_init(float i_trip_A) {
     uint32_t ways = 0u;
     for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
-        // Full scale is VDDA; values are taken over at once.
+        // Full scale is VDDA; values act at once.
         reg_write16(CMPSSB(currents[n].comparator) + CMPSS_DACCTL, 0u);
     }
     ti_set_trip(i_trip_A);
@@ -42,7 +42,7 @@ void chip_protection_init(float i_trip_A) {
         comparator(CMPSSB(currents[n].comparator));
         ways |= PWMXBAR_CMPSSB(currents[n].comparator);
     }
-    chip_wait_us(SETTLE_us); // thresholds stand before anything listens to them
+    chip_wait_us(SETTLE_us); // the thresholds must settle before they are used
     for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
         reg_write16(CMPSSB(currents[n].comparator) + CMPSS_HFILCTL, FILTER | FILCTL_INIT);
         reg_write16(CMPSSB(currents[n].comparator) + CMPSS_LFILCTL, FILTER | FILCTL_INIT);
@@ -104,7 +104,8 @@ LODE_RAMFUNC bool chip_converters_acknowledge(void) {
     reg_write16(adc + ADC_INTFLGCLR, ADCINT1);
     const bool missed = (reg_read16(adc + ADC_INTOVF) & ADCINT1) != 0u;
     if (missed) {
-        reg_write16(adc + ADC_INTOVFCLR, ADCINT1); // left set, it would keep every later one away
+        reg_write16(adc + ADC_INTOVFCLR,
+                    ADCINT1); // if it stays set, it blocks every later interrupt
         reg_write16(adc + ADC_INTFLGCLR, ADCINT1);
     }
     return !missed;

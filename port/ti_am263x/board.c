@@ -51,7 +51,8 @@ static void serial_init(void) {
 
 static void watchdog_start(void) {
     reg_write32(WDT_PRELOAD, WATCHDOG_PRELOAD);
-    reg_write32(WDT_REACTION, WDT_REACTION_RESET); // pins float: the driver's pull-downs switch off
+    reg_write32(WDT_REACTION,
+                WDT_REACTION_RESET); // the pins float, and the driver's pull-downs switch off
     reg_write32(WDT_WINDOW, WDT_WINDOW_ALL);
     reg_write32(WDT_ENABLE, WDT_ENABLE_KEY);
     board_feed_watchdog();
@@ -67,14 +68,14 @@ bool board_reset_by_watchdog(void) {
 
 bool board_init(float i_trip_A) {
     driver_init();
-    serial_init(); // a failure is reported over it
+    serial_init(); // needed to report a failure
     chip_protection_init(i_trip_A);
     if (!chip_pwm_init()) {
         return false;
     }
     chip_converters_init();
     ti_init();
-    pwm_pins_init(); // only now: the trip zones hold the outputs low
+    pwm_pins_init(); // only now, when the trip zones hold the outputs low
     ti_driver_enable();
     return board_clear_trip();
 }
@@ -92,7 +93,7 @@ void board_start(void) {
     chip_pwm_start();
 }
 
-/// The one interrupt in use; startup.S has saved what the compiler may use, FPU included.
+/// The only interrupt in use; startup.S has saved the registers that the compiler may use, FPU included.
 LODE_RAMFUNC void irq_handler(void) {
     (void)reg_read32(VIM_IRQVEC); // takes it
     reg_write32(VIM_STS(IRQ_CONTROLSS_INTXBAR0), VIM_BIT(IRQ_CONTROLSS_INTXBAR0));

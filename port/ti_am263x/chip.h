@@ -14,7 +14,7 @@
 
 #include "calls.h"
 
-/// What the boot loader has set up: core and CONTROLSS.
+/// Clocks set up by the boot loader: core and CONTROLSS.
 #define CHIP_F_CPU_Hz 400000000u
 #define CHIP_F_PWM_Hz 200000000u
 #define CHIP_F_STAMP_Hz CHIP_F_CPU_Hz ///< the core's cycle counter
@@ -27,7 +27,7 @@
 /// Full scale of ADCs and comparators differ.
 #define CHIP_DAC_PER_COUNT (VARIANT_V_REF_V / VARIANT_V_DAC_V)
 
-/// At least so long, by the core's counter.
+/// Waits at least this long, by the core's counter.
 void chip_wait_us(uint32_t us);
 
 #endif

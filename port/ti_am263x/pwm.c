@@ -1,6 +1,6 @@
 // The counters run up and down. The high sides are on around the upper turning point, so all low sides
-// are on around zero: there the shunts carry the phase currents, the compare values are taken over and
-// the ADCs are triggered. That instant is t_k. With double update both happen at the upper one too.
+// are on around zero: there the shunts carry the phase currents, the compare values are loaded and the ADCs are
+// triggered. That instant is t_k. With double update loading and triggering also happen at the upper one.
 #include "chip.h"
 #include "figures.h"
 
@@ -14,13 +14,13 @@ static uint16_t steps;
 #define TRIGGERED (VARIANT_DOUBLE_UPDATE ? ETSEL_SOCA_AT_ZERO_AND_PERIOD : ETSEL_SOCA_AT_ZERO)
 
 static void time_base(uint32_t base) {
-    // A halt does not stop the counter, which would hold the switches as they are: it trips.
+    // A halt must not stop the counter, which would hold the present switch states; instead it trips.
     reg_write16(base + EPWM_TBCTL, TBCTL_UP_DOWN | TBCTL_PERIOD_AT_ONCE | TBCTL_FREE_RUN);
     reg_write16(base + EPWM_TBPRD, steps);
     reg_write16(base + EPWM_TBCTR, 0u);
     reg_write16(base + EPWM_CMPCTL, LOADED); // shadow
     reg_write16(base + EPWM_AQCTLA, AQCTL_HIGH_AT_CMPA_UP | AQCTL_LOW_AT_CMPA_DOWN);
-    // Unseen behind the dead-band, which makes output B of A, but for the low sides alone.
+    // Has no effect after the dead-band unit, which derives output B from A, except when only the low sides switch.
     reg_write16(base + EPWM_AQCTLB, AQCTL_LOW_AT_CMPA_UP | AQCTL_HIGH_AT_CMPA_DOWN);
     reg_write16(base + EPWM_AQSFRC, AQSFRC_AT_ONCE);
     reg_write16(base + EPWM_AQCSFRC, 0u);
@@ -60,8 +60,8 @@ static void clock_sync(bool on) {
     reg_write32(CONTROLSS_CLKSYNC, on ? others | bits : others);
 }
 
-// Without it a breakpoint would leave the bridge switching at the last duties: the counters run free, and
-// TZ6 says nothing.
+// Without it the bridge would keep switching at the last duties after a breakpoint: the counters run free, and
+// TZ6 does not respond.
 static void halt_reaches(uint32_t n) {
     controlss_unlock();
     reg_write32(CONTROLSS_EPWM_HALTEN(n), HALTEN_R5SS0_CORE0);
@@ -74,7 +74,7 @@ bool chip_pwm_init(void) {
         return false;
     }
     clock_sync(false);
-    chip_pwm_off(); // before anything else in them is touched
+    chip_pwm_off(); // before any other register of them is written
     bool answers = true;
     for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
         time_base(EPWM(pwm[n]));
@@ -97,7 +97,7 @@ void chip_pwm_start(void) {
     clock_sync(true);
 }
 
-// Past the dead-band, and A forced low at once: whatever it was in the middle of.
+// Bypasses the dead-band, and forces A low at once, whatever its state.
 void chip_pwm_low_sides_alone(bool alone) {
     for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
         reg_write16(EPWM(pwm[n]) + EPWM_AQCSFRC, alone ? AQCSFRC_A_LOW : 0u);
@@ -111,7 +111,7 @@ LODE_RAMFUNC void chip_pwm_off(void) {
     reg_write16(EPWM(pwm[2]) + EPWM_TZFRC, TZFRC_OST);
 }
 
-// The latches of the sources; an event forced by software sets none of them.
+// Latches of the trip sources; a trip forced by software does not set them.
 LODE_RAMFUNC bool chip_pwm_tripped(void) {
     const uint32_t latched = (uint32_t)reg_read16(EPWM(pwm[0]) + EPWM_TZOSTFLG) |
                              (uint32_t)reg_read16(EPWM(pwm[1]) + EPWM_TZOSTFLG) |
@@ -128,7 +128,7 @@ LODE_RAMFUNC void chip_pwm_on(void) {
             reg_write16(EPWM(pwm[n]) + EPWM_TZCLR, TZFLG_OST | TZFLG_DCAEVT1 | TZFLG_DCBEVT1);
         }
     }
-    if (chip_pwm_tripped()) { // it came in between, and was too short to trip again
+    if (chip_pwm_tripped()) { // a trip came in between, and was too short to trip again
         chip_pwm_off();
     }
 }

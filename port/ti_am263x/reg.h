@@ -1,5 +1,5 @@
-/// Every access of the AM263x port to a register goes by address through these functions. The tests bring
-/// their own and so see the order.
+/// Every access of the AM263x port to a register goes by address through these functions. The tests replace
+/// them, to record the order.
 #ifndef LODESTAR_PORT_TI_AM263X_REG_H
 #define LODESTAR_PORT_TI_AM263X_REG_H
 

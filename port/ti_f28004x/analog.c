@@ -3,8 +3,8 @@
 #define BIAS_count 2048u // of DACB: half of the reference, 1.65 V with its gain of 2
 #define SETTLE_us 100u   // amplifiers, DACs and the bias's capacitor
 #define POWER_UP_us 1000u
-// The comparators' filter: eight of ten samples, one every 50 ns: 0.4 us of a real over-current.
-#define FILTER_CLOCKS (5u - 1u) // the register holds one less
+// The comparators' filter: eight of ten samples, one every 50 ns: a trip takes 0.4 us of over-current.
+#define FILTER_CLOCKS (5u - 1u) // the register holds this minus one
 #define FILTER_WINDOW 10u
 #define FILTER_THRESHOLD 8u
 
@@ -75,7 +75,7 @@ void chip_protection_init(float i_trip_A) {
     for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
         comparator(&comparators[n]);
     }
-    chip_wait_us(SETTLE_us); // thresholds stand before anything listens to them
+    chip_wait_us(SETTLE_us); // the thresholds must settle before they are used
     for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
         CMPSS_initFilterHigh(comparators[n].base);
         CMPSS_initFilterLow(comparators[n].base);
@@ -140,7 +140,7 @@ LODE_RAMFUNC bool chip_converters_acknowledge(void) {
     ADC_clearInterruptStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
     const bool missed = ADC_getInterruptOverflowStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
     if (missed) {
-        // Left set, it would keep every later interrupt away.
+        // If it stays set, it blocks every later interrupt.
         ADC_clearInterruptOverflowStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
         ADC_clearInterruptStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
     }

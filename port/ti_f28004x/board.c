@@ -6,7 +6,7 @@
 #define FIFO_DEPTH 16u
 
 typedef struct {
-    uint32_t function; // of TI's pin map
+    uint32_t function; // function code of TI's pin map
     uint32_t gpio;
 } pin_t;
 
@@ -54,7 +54,7 @@ static void cycles_start(void) {
     CPUTimer_startTimer(CPUTIMER1_BASE);
 }
 
-// 256 counts of 10 MHz/512: 13.1 ms. Its reset lets the pins float: the driver's pull-downs switch off.
+// 256 counts of 10 MHz/512: 13.1 ms. Its reset lets the pins float, so that the driver's pull-downs switch off.
 static void watchdog_start(void) {
     SysCtl_setWatchdogMode(SYSCTL_WD_MODE_RESET);
     SysCtl_setWatchdogPrescaler(SYSCTL_WD_PRESCALE_1);
@@ -69,10 +69,10 @@ bool board_reset_by_watchdog(void) {
 }
 
 bool board_init(float i_trip_A) {
-    Device_init(); // clocks and flash; stops the watchdog that runs from reset on
+    Device_init(); // clocks and flash; stops the watchdog, which runs after a reset
     Device_initGPIO();
     driver_init();
-    serial_init(); // a failure is reported over it
+    serial_init(); // needed to report a failure
     if (SysCtl_getClock(DEVICE_OSCSRC_FREQ) != CHIP_F_CPU_Hz) {
         return false;
     }
@@ -88,7 +88,7 @@ bool board_init(float i_trip_A) {
     }
     chip_converters_init();
     ti_init();
-    pwm_pins_init(); // only now: the trip zones hold the outputs low
+    pwm_pins_init(); // only now, when the trip zones hold the outputs low
     ti_driver_enable();
     return board_clear_trip();
 }
@@ -107,7 +107,7 @@ LODE_RAMFUNC __interrupt void period_handler(void) {
     Interrupt_clearACKGroup(VARIANT_PERIOD_GROUP);
 }
 
-/// Interrupts that nobody expects: gates off, then the watchdog resets.
+/// Unexpected interrupts: gates off, then the watchdog resets.
 __interrupt void stop_handler(void) {
     board_gates_off();
     for (;;) {

@@ -18,7 +18,7 @@
 #define CHIP_F_PWM_Hz CHIP_F_CPU_Hz
 #define CHIP_F_STAMP_Hz CHIP_F_CPU_Hz ///< CPU timer 1
 
-/// ADC clock 50 MHz. The window is twice the 75 ns that the ADC needs: the amplifier drives it.
+/// ADC clock 50 MHz. The window is twice the 75 ns that the ADC needs, because the amplifier drives it.
 #define CHIP_WINDOW_cycles 20u
 /// Until the end of the currents' sampling: some cycles from the trigger, then the window.
 #define CHIP_SAMPLE_ns 250.0f

@@ -1,6 +1,6 @@
 // The counters run up and down. The high sides are on around the upper turning point, so all low sides
-// are on around zero: there the shunts carry the phase currents, the compare values are taken over and
-// the ADCs are triggered. That instant is t_k. With double update both happen at the upper one too.
+// are on around zero: there the shunts carry the phase currents, the compare values are loaded and the ADCs are
+// triggered. That instant is t_k. With double update loading and triggering also happen at the upper one.
 #include "chip.h"
 #include "figures.h"
 
@@ -29,7 +29,7 @@ static void time_base(uint32_t base) {
                                   EPWM_AQ_OUTPUT_ON_TIMEBASE_UP_CMPA);
     EPWM_setActionQualifierAction(base, EPWM_AQ_OUTPUT_A, EPWM_AQ_OUTPUT_LOW,
                                   EPWM_AQ_OUTPUT_ON_TIMEBASE_DOWN_CMPA);
-    // Unseen behind the dead-band, which makes output B of A, but for the low sides alone.
+    // Has no effect after the dead-band unit, which derives output B from A, except when only the low sides switch.
     EPWM_setActionQualifierAction(base, EPWM_AQ_OUTPUT_B, EPWM_AQ_OUTPUT_LOW,
                                   EPWM_AQ_OUTPUT_ON_TIMEBASE_UP_CMPA);
     EPWM_setActionQualifierAction(base, EPWM_AQ_OUTPUT_B, EPWM_AQ_OUTPUT_HIGH,
@@ -79,7 +79,7 @@ bool chip_pwm_init(void) {
     for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
         SysCtl_enablePeripheral(clocks[n]);
     }
-    chip_pwm_off(); // before anything else in them is touched
+    chip_pwm_off(); // before any other register of them is written
     for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
         time_base(pwm[n]);
         dead_band(pwm[n], dead_counts);
@@ -96,7 +96,7 @@ void chip_pwm_start(void) {
     SysCtl_enablePeripheral(SYSCTL_PERIPH_CLK_TBCLKSYNC);
 }
 
-// Past the dead-band, and A forced low at once: whatever it was in the middle of.
+// Bypasses the dead-band, and forces A low at once, whatever its state.
 void chip_pwm_low_sides_alone(bool alone) {
     for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
         EPWM_setActionQualifierContSWForceAction(
@@ -112,7 +112,7 @@ LODE_RAMFUNC void chip_pwm_off(void) {
     EPWM_forceTripZoneEvent(pwm[2], EPWM_TZ_FORCE_EVENT_OST);
 }
 
-// The latches of the sources; an event forced by software sets none of them.
+// Latches of the trip sources; a trip forced by software does not set them.
 LODE_RAMFUNC bool chip_pwm_tripped(void) {
     const uint16_t latched = (uint16_t)(EPWM_getOneShotTripZoneFlagStatus(pwm[0]) |
                                         EPWM_getOneShotTripZoneFlagStatus(pwm[1]) |
@@ -129,7 +129,7 @@ LODE_RAMFUNC void chip_pwm_on(void) {
             EPWM_clearTripZoneFlag(pwm[n], EPWM_TZ_FLAG_OST | EPWM_TZ_FLAG_DCAEVT1);
         }
     }
-    if (chip_pwm_tripped()) { // it came in between, and was too short to trip again
+    if (chip_pwm_tripped()) { // a trip came in between, and was too short to trip again
         chip_pwm_off();
     }
 }

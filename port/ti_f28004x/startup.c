@@ -1,15 +1,15 @@
-/// Before the C environment is up. TI's own start-up code does the rest.
+/// Runs before the C environment is set up. TI's own start-up code does the rest.
 #include "driverlib.h"
 #include "lodestar/platform.h"
 
 #if defined(__TMS320C28XX__)
-// Of f28004x.cmd.
+// Symbols of f28004x.cmd.
 extern uint16_t RamfuncsLoadStart[], RamfuncsLoadSize[], RamfuncsRunStart[];
 
 int _system_pre_init(void);
 
-/// Copies .TI.ramfunc. Device_init() does so too, but the configuration is computed before it and
-/// uses functions of the interrupt. Its time must not be the watchdog's.
+/// Copies .TI.ramfunc. Device_init() does so too, but the configuration is computed before it and uses
+/// functions of the interrupt. The watchdog must not expire meanwhile.
 int _system_pre_init(void) {
     SysCtl_disableWatchdog();
     for (uint32_t n = 0u; n < (uint32_t)RamfuncsLoadSize; n++) {
@@ -18,6 +18,6 @@ int _system_pre_init(void) {
     return 1; // initialise the variables
 }
 
-/// LODE_SIGNAL_FENCE(): what the compiler cannot see into, it cannot move memory accesses across.
+/// LODE_SIGNAL_FENCE(): the compiler cannot move memory accesses across a function that it cannot see into.
 void lode_fence(void) {}
 #endif

@@ -1,6 +1,6 @@
 /// An STM32F405RG on a board of your own: half-bridge drivers with six inputs, three low-side shunts with
-/// external amplifiers around half the range, a fault output of the driver, 8 MHz crystal. Change what
-/// differs; every figure is an example.
+/// external amplifiers around mid-range, a fault output of the driver, 8 MHz crystal. Change what differs;
+/// every value is an example.
 #ifndef LODESTAR_PORT_BOARD_VARIANT_H
 #define LODESTAR_PORT_BOARD_VARIANT_H
 

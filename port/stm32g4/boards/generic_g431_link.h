@@ -1,6 +1,6 @@
 /// An STM32G431 on a board of your own with one shunt in the DC link: half-bridge drivers with six inputs, an
-/// amplifier that lifts zero current above ground, a fault output of the driver, 8 MHz crystal. Change
-/// what differs; every figure is an example.
+/// amplifier that lifts zero current above ground, a fault output of the driver, 8 MHz crystal. Change what
+/// differs; every value is an example.
 #ifndef LODESTAR_PORT_BOARD_VARIANT_H
 #define LODESTAR_PORT_BOARD_VARIANT_H
 
@@ -17,8 +17,8 @@
 #define VARIANT_V_DROP_V 0.0f
 #define VARIANT_R_ON_Ohm 0.0f
 
-// Shunt 5 mOhm between the low sides and ground, amplifier 20 around half the range. A current from the supply
-// into the bridge raises the count: positive gain.
+// Shunt 5 mOhm between the low sides and ground, amplifier with gain 20 around mid-range. A current from the
+// supply into the bridge raises the count: positive gain.
 #define VARIANT_V_REF_V 3.3f
 #define VARIANT_COUNTS 4096.0f
 #define VARIANT_SHUNT_Ohm 0.005f

@@ -1,23 +1,23 @@
 /// NUCLEO-G431RB with X-NUCLEO-IHM16M1: STSPIN830 driver, three shunts with amplifiers on the board,
 /// over-current by the driver (EN/FAULT). 24 MHz crystal.
 ///
-/// The driver is used with one PWM input and one enable input per phase: it makes low sides and dead time
-/// itself. With the enables low a phase floats.
+/// The driver has one PWM input and one enable input per phase: it generates the low sides and the dead time
+/// itself. With its enable low a phase floats.
 #ifndef LODESTAR_PORT_BOARD_VARIANT_H
 #define LODESTAR_PORT_BOARD_VARIANT_H
 
 // Clock and PWM.
 #define VARIANT_HSE_Hz 24000000u
 #define VARIANT_F_PWM_Hz 20000u
-#define VARIANT_DEAD_TIME_ns 550u // the driver's own: changes no output, only the correction
+#define VARIANT_DEAD_TIME_ns 550u // the driver's own dead time; used only for the correction
 #define VARIANT_LOW_SIDES false // hence no VARIANT_PRECHARGE_s: the driver has its own charge pump
 
 // Power stage: 7 .. 45 V, 1.5 A effective.
 #define VARIANT_V_BUS_V 12.0f
 #define VARIANT_I_MAX_A 1.5f
 #define VARIANT_V_DROP_V 0.0f
-// High and low side of the STSPIN830 together some 1 Ohm, and the shunt behind the low side for half of
-// the time.
+// High and low side of the STSPIN830 together are about 1 Ohm; the shunt in series with the low side counts for
+// half of the time.
 #define VARIANT_R_ON_Ohm (0.5f * (1.0f + VARIANT_SHUNT_Ohm))
 
 #define VARIANT_V_REF_V 3.3f
@@ -26,20 +26,20 @@
 #define VARIANT_AMPLIFIER 1.53f
 #define VARIANT_I_GAIN_A_count                                                                     \
     (-VARIANT_V_REF_V / VARIANT_COUNTS / (VARIANT_SHUNT_Ohm * VARIANT_AMPLIFIER))
-// The amplifiers' bias in ST's project; bring-up step 2 shows the board's own.
+// The amplifiers' bias in ST's project; bring-up step 2 shows that of your board.
 #define VARIANT_I_OFFSET_count 1934.0f
 #define VARIANT_I_OFFSET_TOL_count 300.0f
 #define VARIANT_V_BUS_GAIN_V_count                                                                 \
     (VARIANT_V_REF_V / VARIANT_COUNTS * (169.0f + 9.31f) / 9.31f) // 169 kOhm over 9.31 kOhm
-// NTC on PC4, the straight line of ST's project: 579 mV at 25 degC, 27.4 mV/degC. The limit is a cautious
-// figure of our own.
+// NTC on PC4, the linear approximation of ST's project: 579 mV at 25 degC, 27.4 mV/degC. The limit is our own
+// conservative value.
 #define VARIANT_T_V 0.579f // at VARIANT_T_degC
 #define VARIANT_T_degC 25.0f
 #define VARIANT_T_V_degC 0.0274f
 #define VARIANT_T_MAX_degC 85.0f
 #define VARIANT_T_GAIN_degC_count (VARIANT_V_REF_V / VARIANT_COUNTS / VARIANT_T_V_degC)
 #define VARIANT_T_OFFSET_degC (VARIANT_T_degC - VARIANT_T_V / VARIANT_T_V_degC)
-#define VARIANT_SETTLE_ns 2000.0f // a cautious figure: look at the amplifier's output with a scope
+#define VARIANT_SETTLE_ns 2000.0f // a conservative value: check the amplifier's output with a scope
 
 #define VARIANT_ADC1_RANKS                                                                         \
     { 12u, 15u, 15u } // i_b on PB1, i_c on PB0
@@ -66,9 +66,8 @@
     {GPIOB, 13u, 0u}, {GPIOB, 14u, 0u}, {                                                          \
         GPIOB, 15u, 0u                                                                             \
     }
-// EN/FAULT, active low. ST's field-oriented project has it on PA11, its six-step one on PB12; which of
-// them the board's solder bridges connect is not known here, so both are breaks. One that hangs free is
-// pulled up.
+// EN/FAULT, active low. ST's field-oriented project has it on PA11, its six-step one on PB12; it is not known
+// which of them the board's solder bridges connect, so both are break inputs. An unconnected one is pulled up.
 #define VARIANT_BREAK_PIN                                                                          \
     { GPIOB, 12u, 6u } // TIM1_BKIN
 #define VARIANT_BREAK2_PIN                                                                         \

@@ -1,6 +1,6 @@
 /// An AM263x with any inverter of six gate inputs, three low-side shunts with amplifiers biased to the
-/// middle of the range, an enable and an active-low fault line. Figures are those of a 24 V, 10 A stage:
-/// copy this file and enter your board's.
+/// middle of the range, an enable and an active-low fault line. The values are those of a 24 V, 10 A stage:
+/// copy this file and enter those of your board.
 #ifndef LODESTAR_PORT_BOARD_VARIANT_H
 #define LODESTAR_PORT_BOARD_VARIANT_H
 
@@ -14,7 +14,7 @@
 #define VARIANT_V_DROP_V 0.0f
 #define VARIANT_R_ON_Ohm 0.0f
 
-// Shunt 5 mOhm, amplifier 20. A current into the motor pulls the low-side shunt below ground.
+// Shunt 5 mOhm, amplifier gain 20. A current into the motor pulls the low-side shunt below ground.
 #define VARIANT_V_REF_V 3.2f // the ADC's full scale with VREFHI of 1.8 V
 #define VARIANT_V_DAC_V 3.3f // the comparators' full scale: VDDA
 #define VARIANT_COUNTS 4096.0f
@@ -43,7 +43,7 @@
 #define VARIANT_T_OFFSET_degC PORT_NTC_ZERO_degC
 #define VARIANT_T_MAX_degC 100.0f
 #define VARIANT_SETTLE_ns 1700.0f
-#define VARIANT_TRIP_MAX_A 14.0f // of 16 A that the amplifier can show, either sign
+#define VARIANT_TRIP_MAX_A 14.0f // the range of the amplifier is 16 A, either sign
 #define VARIANT_TRIP_MIN_A 2.0f
 
 // Phases a, b, c: ePWM and its pads (A, B); the first one triggers the ADCs.
@@ -56,11 +56,11 @@
     {0u, 4u, 0u}, {1u, 4u, 2u}, {                                                                  \
         2u, 4u, 4u                                                                                 \
     } // ADC0_AIN4 with CMPSSB0, ADC1_AIN4 with CMPSSB2, ADC2_AIN4 with CMPSSB4
-// After a current on the same ADC, so its end is the end of all.
+// The bus is converted after a current on the same ADC, so that its end is the end of all conversions.
 #define VARIANT_BUS_ADC 0u
 #define VARIANT_BUS_CHANNEL 0u // ADC0_AIN0
 
-// The temperature after a current on another one.
+// The temperature is converted after a current on another ADC.
 #define VARIANT_T_ADC 1u
 #define VARIANT_T_CHANNEL 0u // ADC1_AIN0
 

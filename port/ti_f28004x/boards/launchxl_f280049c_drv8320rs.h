@@ -1,10 +1,10 @@
 /// TI LAUNCHXL-F280049C with a BOOSTXL-DRV8320RS on J1 .. J4: three low-side shunts into the chip's own
-/// programmable amplifiers (PGA), over-current by its comparators, the driver's nFAULT beside them.
+/// programmable amplifiers (PGA), over-current by its comparators and by the driver's nFAULT.
 #ifndef LODESTAR_PORT_BOARD_VARIANT_H
 #define LODESTAR_PORT_BOARD_VARIANT_H
 
 #define VARIANT_F_PWM_Hz 20000u
-#define VARIANT_DEAD_TIME_ns 200u // the driver adds nothing while this is above its own 100 ns
+#define VARIANT_DEAD_TIME_ns 200u // above the 100 ns of the driver, which then adds nothing
 #define VARIANT_PRECHARGE_s 0.0f  // the driver has a charge pump
 
 // Power stage: 6 .. 54 V, 15 A peak.
@@ -13,7 +13,7 @@
 #define VARIANT_V_DROP_V 0.0f
 #define VARIANT_R_ON_Ohm 0.0f
 
-// Shunt 7 mOhm; 2.49 kOhm to it and 27.4 kOhm to 1.65 V (DACB) lift it above ground; PGA gain 12. A
+// Shunt 7 mOhm; 2.49 kOhm to the shunt and 27.4 kOhm to 1.65 V (DACB) lift the signal above ground; PGA gain 12. A
 // current into the motor pulls the shunt below ground: negative gain. Full scale 42.86 A.
 #define VARIANT_V_REF_V 3.3f
 #define VARIANT_COUNTS 4096.0f
@@ -29,15 +29,15 @@
 #define VARIANT_I_OFFSET_TOL_count 200.0f // resistors of 1 %, the DAC's and the amplifier's offset
 #define VARIANT_V_BUS_GAIN_V_count                                                                 \
     (VARIANT_V_REF_V / VARIANT_COUNTS * (82.0f + 4.99f) / 4.99f) // 82 kOhm over 4.99 kOhm
-#define VARIANT_T_GAIN_degC_count 0.0f                           // no temperature is measured
+#define VARIANT_T_GAIN_degC_count 0.0f                           // no temperature sensor
 #define VARIANT_T_OFFSET_degC 0.0f
-#define VARIANT_T_MAX_degC 0.0f // the core's default
-// Dead time, then the amplifier: some 0.5 us to 0.1 % at gain 12, taken three times.
+#define VARIANT_T_MAX_degC 0.0f // 0: the default of the library
+// Dead time, then three times the settling time of the amplifier, about 0.5 us to 0.1 % at gain 12.
 #define VARIANT_SETTLE_ns 1700.0f
-#define VARIANT_TRIP_MAX_A 18.0f // of 21.4 A that the amplifier can show, either sign
+#define VARIANT_TRIP_MAX_A 18.0f // the range of the amplifier is 21.4 A, either sign
 #define VARIANT_TRIP_MIN_A 2.0f
 
-// Phases a, b, c. All three ePWM count alike; the first one triggers the ADCs.
+// Phases a, b, c. All three ePWM count in phase; the first one triggers the ADCs.
 #define VARIANT_PWM                                                                                \
     { EPWM6_BASE, EPWM5_BASE, EPWM3_BASE }
 #define VARIANT_PWM_CLOCKS                                                                         \
@@ -54,7 +54,7 @@
     {ADCA_BASE, ADCARESULT_BASE, ADC_CH_ADCIN14}, {ADCC_BASE, ADCCRESULT_BASE, ADC_CH_ADCIN7}, {   \
         ADCB_BASE, ADCBRESULT_BASE, ADC_CH_ADCIN7                                                  \
     }
-// The bus comes after a current on the same ADC, so its end is the end of all.
+// The bus is converted after a current on the same ADC, so that its end is the end of all conversions.
 #define VARIANT_BUS_ADC ADCB_BASE
 #define VARIANT_BUS_RESULT ADCBRESULT_BASE
 #define VARIANT_BUS_CHANNEL ADC_CH_ADCIN1
@@ -65,7 +65,7 @@
 #define VARIANT_PGA_CLOCKS                                                                         \
     { SYSCTL_PERIPH_CLK_PGA5, SYSCTL_PERIPH_CLK_PGA3, SYSCTL_PERIPH_CLK_PGA1 }
 
-// Comparators 5, 3 and 1 on the amplifiers' outputs (input 4), and their way through the ePWM X-BAR.
+// Comparators 5, 3 and 1 on the amplifiers' outputs (input 4), and their route through the ePWM X-BAR.
 #define VARIANT_COMPARATORS                                                                        \
     {CMPSS5_BASE,                                                                                  \
      SYSCTL_PERIPH_CLK_CMPSS5,                                                                     \
