@@ -9,7 +9,7 @@
 #include "lag_inline.h"
 #include "support/units.h"
 
-/// Lags, margins and the joint poles of the drive that was given.
+/// Lags, margins and the joint poles of the given drive.
 static void at_speed(analyse_speed_t *at, const lode_drive_config_t *drive,
                      const lode_estimator_tuning_t *tuning, double omega_rad_s) {
     const double ts = 1.0 / (double)drive->f_pwm_Hz;

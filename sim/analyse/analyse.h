@@ -8,7 +8,7 @@
 #include "analyse/result.h"
 #include "config/rig_config.h"
 
-/// Everything, for a configuration that is designed. LODE_OK, or why the library refuses it.
+/// Computes everything for a designed configuration. LODE_OK, or why the library refuses it.
 lode_status_t analyse_compute(analyse_t *self, const rig_config_t *config);
 
 #endif

@@ -7,7 +7,7 @@
 
 // ---- Making it ----------------------------------------------------------------------------------
 
-// Relative to the turning EMF: A/rho, and B for m and e of length 1.
+// In coordinates of the turning EMF: A/rho, and B for m and e of length 1.
 void joint_observer(joint_t *joint, const lode_observer_tuning_t *tuning, double ts_s,
                     double omega_rad_s) {
     joint_t *j = joint;
@@ -104,7 +104,7 @@ lode_estimator_tuning_t joint_with_k2(const lode_estimator_tuning_t *tuning,
 
 // ---- Moving it ----------------------------------------------------------------------------------
 
-/// One period of a notch about zero; its two states in place.
+/// One period of a notch, linearised about zero; updates its two states in place.
 static double notch_step(const joint_notch_t *n, double x, const double *from, double *to) {
     const double k = n->width;
     const double g = n->g;
@@ -116,7 +116,7 @@ static double notch_step(const joint_notch_t *n, double x, const double *from, d
     return x + n->weight * (-k * band);
 }
 
-/// The observer's part; returns the angle of its estimate.
+/// The observer part; returns the angle of its estimate.
 static double observer_step(const joint_t *j, double tuned_rad_s, double complex emf,
                             const double *from, double *to) {
     const observer_t *o = &j->observer;
@@ -142,7 +142,7 @@ void joint_step(const joint_t *joint, const joint_input_t *input, const double *
     const double theta = from[j->pll] + ts * (from[j->pll + 1] + 0.5 * rise);
     const double omega = from[j->pll + 1] + rise;
     double tuned = omega;
-    if (j->filtered) { // the truth moves on under it as well
+    if (j->filtered) { // the true values also move on
         const double kept = from[at] - ts * input->acceleration_rad_s2;
         tuned = kept + j->w_weight * (omega - kept);
         to[at++] = tuned;
@@ -163,7 +163,7 @@ void joint_step(const joint_t *joint, const joint_input_t *input, const double *
 
 // ---- What follows -------------------------------------------------------------------------------
 
-/// (M - 1)/Ts, whose eigenvalues lie where those of the continuous loop would.
+/// (M - 1)/Ts, with eigenvalues close to those of the continuous loop.
 static void slope_matrix(const joint_t *j, matrix_t m) {
     const joint_input_t none = {0.0, 0.0};
     for (int k = 0; k < j->states; ++k) {

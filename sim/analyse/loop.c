@@ -108,7 +108,7 @@ double complex loop_dominant(const loop_ratio_t *loop) {
     const int count = loop_poles(loop, poles);
     for (int k = 0; k < count; ++k) {
         const double damping = -creal(poles[k]) / cabs(poles[k]);
-        // Rounding splits a multiple real pole: that is no pair.
+        // Rounding splits a multiple real pole; that does not count as a pair.
         if (cimag(poles[k]) > 1.0e-3 * cabs(poles[k]) && damping < least) {
             least = damping;
             found = poles[k];
@@ -127,7 +127,7 @@ static double closed_gain(const loop_ratio_t *loop, double omega_rad_s) {
     return sqrt(2.0) * cabs(open / (1.0 + open));
 }
 
-/// Where `gain` first falls below 1 on the way up.
+/// The lowest frequency at which `gain` falls below 1.
 static double first_fall(double (*gain)(const loop_ratio_t *, double), const loop_ratio_t *loop,
                          double from, double to) {
     const double ratio = pow(to / from, 1.0 / SCAN_POINTS);

@@ -19,7 +19,7 @@ typedef struct {
 /// (s^2 + wn^2)/(s^2 + k wn s + wn^2): paper 1, eq. (34).
 loop_ratio_t loop_notch(double k, double wn_rad_s);
 
-/// The firmware's notch, in full, with its centre at wn.
+/// The firmware's full notch, with its centre at wn.
 loop_ratio_t loop_notch_sampled(double k, double wn_rad_s, double ts_s);
 
 /// From position error to angle: ((s+sigma)^n - s^n)/s^n, n = 3 or 2.
@@ -39,7 +39,7 @@ double complex loop_at(const loop_ratio_t *loop, double omega_rad_s);
 /// Poles of loop/(1 + loop) as equivalents in s; how many, or -1.
 int loop_poles(const loop_ratio_t *loop, double complex *poles);
 
-/// The pair with the least damping, upper half; NaN where no pole is complex.
+/// The pair with the least damping, upper half plane; NaN if no pole is complex.
 double complex loop_dominant(const loop_ratio_t *loop);
 
 typedef struct {

@@ -19,20 +19,20 @@ typedef struct {
     double omega_rad_s;
     double s; ///< pole of the PLL
     bool third_order;
-    bool alone;       ///< without observer and notches
-    bool rotates;     ///< the observer, with the speed
-    bool emf_follows; ///< the EMF follows the estimated angle; else the speed that is fed back acts
-    double sigma_of_notch; ///< from which its blending goes
+    bool alone;            ///< without observer and notches
+    bool rotates;          ///< the observer rotates with the speed
+    bool emf_follows;      ///< the EMF follows the estimated angle; else the fed-back speed acts
+    double sigma_of_notch; ///< sigma of its blending
     observer_t observer;
-    joint_t joint; ///< its observer's part
+    joint_t joint; ///< only its observer part
 } loop_t;
 
 typedef struct {
     double crossover_rad_s, phase_deg, gain_up_dB, gain_down_dB;
-    int turns; ///< crossings of -180 degrees above unity gain that are still missing, upwards
+    int turns; ///< upward crossings of -180 degrees above unity gain that are still missing
 } sweep_t;
 
-/// From a position error to what the PLL predicts for the next period.
+/// Response from a position error to the prediction of the PLL for the next period.
 typedef struct {
     double complex theta, omega;
 } prediction_t;
@@ -53,7 +53,7 @@ static prediction_t predict(const loop_t *loop, double complex z) {
 
 // ---- The observer, tuned to the speed ---------------------------------------------------------------
 
-/// Its answer to a swing of the EMF's angle with exp(j Omega Ts).
+/// Its response to an oscillation of the EMF's angle with exp(j Omega Ts).
 static double complex angle_response(const loop_t *loop, double Omega_rad_s) {
     const double w = loop->omega_rad_s;
     const double ts = loop->ts_s;
@@ -115,7 +115,7 @@ static loop_t make_loop(const lode_drive_config_t *config, double omega_rad_s, d
 
 // ---- Margins --------------------------------------------------------------------------------------
 
-/// One step of the way up: crossings of unity gain and of -180 degrees.
+/// One frequency step upwards: counts crossings of unity gain and of -180 degrees.
 static void note_crossings(sweep_t *found, double gain_before, double gain, double phase_before,
                            double phase, double Omega_rad_s) {
     const bool rises = phase_before < -RIG_PI && phase >= -RIG_PI;
@@ -137,7 +137,7 @@ static void note_crossings(sweep_t *found, double gain_before, double gain, doub
     }
 }
 
-/// Walks up the frequencies; the last crossing of unity gain counts.
+/// Goes up in frequency; the last crossing of unity gain counts.
 static sweep_t sweep(const loop_t *loop, int points) {
     const double sigma = -log(loop->s) / loop->ts_s;
     const double low = SWEEP_FROM_SIGMA * sigma;
@@ -160,14 +160,14 @@ static sweep_t sweep(const loop_t *loop, int points) {
     return found;
 }
 
-/// Nyquist: what the integrators turn below -180 degrees must have come back above unity gain.
+/// Nyquist: the phase that the integrators turn below -180 degrees must return above unity gain.
 static bool is_stable(const lode_drive_config_t *config, double omega_rad_s, double sigma_rad_s) {
     loop_t loop = make_loop(config, omega_rad_s, sigma_rad_s, sigma_rad_s);
     loop.emf_follows = !loop.rotates;
     return sweep(&loop, POINTS_COARSE).turns == 0;
 }
 
-/// The first sigma on the way up that is unstable; NaN where there is none that makes sense.
+/// The lowest unstable sigma; NaN if there is none in a sensible range.
 static double find_sigma_limit(const lode_drive_config_t *config, double omega_rad_s) {
     const double last = SIGMA_TS_MAX * (double)config->f_pwm_Hz;
     double high = 1.0;
@@ -241,7 +241,7 @@ void margins_speed_response(const lode_drive_config_t *config, double omega_rad_
         const double complex z = cexp(I * Omega * loop.ts_s);
         const double complex filtered = notch(&loop, 6.0, (double)loop.config->notch_k, z) *
                                         notch(&loop, 12.0, (double)loop.config->notch12_k, z);
-        // A swing of 1 of the speed is one of 1/(j Omega) of the angle.
+        // An oscillation of the speed with amplitude 1 is one of the angle with amplitude 1/(j Omega).
         const double complex seen = filtered * angle_response(&loop, Omega) / (I * Omega);
         value[k] = predict(&loop, z).omega * seen / (1.0 + open_loop(&loop, Omega));
     }

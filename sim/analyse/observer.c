@@ -21,7 +21,7 @@ static lode_ab_t *state_of(lode_observer_t *observer, int mode) {
     return mode == 0 ? &observer->e_V : &observer->own[mode - 1];
 }
 
-/// What one period makes of a state and an input: the firmware's own step.
+/// One period from a state and an input: the firmware's own step.
 static void probe(const lode_observer_tuning_t *tuning, double ts_s, double omega_rad_s,
                   lode_observer_t *state, lode_ab_t m_V, double complex *column) {
     const double angle = omega_rad_s * ts_s;
@@ -33,7 +33,7 @@ static void probe(const lode_observer_tuning_t *tuning, double ts_s, double omeg
     }
 }
 
-/// All modes, also those that this tuning leaves alone.
+/// All modes, also those that this tuning does not use.
 static observer_t make_whole(const lode_observer_tuning_t *tuning, double ts_s,
                              double omega_rad_s) {
     observer_t o = {.modes = 1 + vectors_of[tuning->kind]};
@@ -54,7 +54,7 @@ static observer_t make_whole(const lode_observer_tuning_t *tuning, double ts_s,
     return o;
 }
 
-/// Which modes the input reaches.
+/// The modes that the input reaches.
 static void find_reached(const observer_t *o, bool *reached) {
     for (int i = 0; i < o->modes; ++i) {
         reached[i] = cabs(o->b[i]) > 0.0;

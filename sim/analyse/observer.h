@@ -1,8 +1,8 @@
 /// The EMF observers as complex linear systems, found by running the firmware's own step.
 ///
-/// x[k] = A x[k-1] + B m[k], e[k] = c x[k], in the stationary frame, tuned to a constant speed. Each
-/// column of A is what one period of lode_observer_step() makes of a unit state, B what it makes of a
-/// unit input: so this holds for any observer of the table, with the rounding of its floats.
+/// x[k] = A x[k-1] + B m[k], e[k] = c x[k], in the stationary frame, tuned to a constant speed. Each column of
+/// A is the result of one period of lode_observer_step() for a unit state, B that for a unit input. So this
+/// works for every observer of the table, including the rounding of its floats.
 #ifndef RIG_ANALYSE_OBSERVER_H
 #define RIG_ANALYSE_OBSERVER_H
 

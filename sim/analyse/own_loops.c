@@ -9,7 +9,7 @@
 #include "support/units.h"
 
 enum { POINTS = 4000, OWN_SPEEDS = 3 };
-// Of the rated speed: the hand-over, where sigma is in full, and rated.
+// Shares of the rated speed: the hand-over, the speed of full sigma, and rated speed.
 static const double shares[OWN_SPEEDS] = {0.1, 0.2, 1.0};
 #define CURRENT_D "current, d axis"
 #define CURRENT_Q "current, q axis"
@@ -68,7 +68,7 @@ static void pll_whole(const task_t *task, int count, const double *Omega, double
 
 // ---- Injection ------------------------------------------------------------------------------------
 
-/// (H3) compares two periods: its error is the mean of theirs. That of a pair (H22) holds for two.
+/// (H3) compares two periods, so its error is the mean of both. That of a pair (H22) holds for two periods.
 static void injection(const task_t *task, int count, const double *Omega, double complex *value) {
     const lode_drive_config_t *drive = task->drive;
     const loop_ratio_t pll = loop_pll_sampled(
@@ -87,9 +87,9 @@ static double gain_at(const lode_speed_tuning_t *tuning, double omega_rad_s) {
     return 1.0 + (double)tuning->rise * fmin(fmax(up, 0.0), 1.0);
 }
 
-/// From the speed estimate to the period in which the references made of it are used; `z` for one PWM
-/// period. Once in a round the slots of the slow jobs come behind current control, and the speed is the
-/// mean of two; more often the jobs come before it.
+/// Delay from the speed estimate to the period that uses the references computed from it; `z` for one PWM
+/// period. With one execution per round the slots of the slow jobs come after current control, and the speed is
+/// the mean of two; with more executions the jobs come before it.
 static double complex slots(uint32_t periods, double complex z) {
     if (periods == LODE_SLOW_PERIODS) {
         return 0.5 * (1.0 + cpow(z, SLOT_LAG - SLOT_SPEED)) / (z * z);
@@ -128,8 +128,8 @@ static void frequencies(const task_t *task, response_t response, int count, doub
     }
 }
 
-/// Phase margin where the gain falls through 1 for the last time; gain that may be added up to the first
-/// fall of the phase through -180 degrees above that.
+/// Phase margin at the last fall of the gain through 1; gain margin at the first fall of the phase through -180
+/// degrees above that.
 static void note_margins(analyse_loop_t *row, const double *Omega, const double complex *value) {
     double phase = carg(value[0]);
     for (int k = 1; k < POINTS; ++k) {

@@ -1,8 +1,8 @@
-/// The control loops of the drive that was given: their open loops, sampled, and their margins.
+/// The control loops of the given drive: sampled open loops and margins.
 ///
 /// Current: (K2) with the R-L circuit held over the period and the voltage one period late. Estimator: the
 /// PLL with observer and notches (margins.h). Speed: the PI controller, current control in closed loop, the
-/// inertia, and the speed as the estimator sees it; the feed-forwards of load and inertia are not in it.
+/// inertia, and the speed from the estimator, without the feed-forwards of load and inertia.
 #ifndef RIG_OWN_LOOPS_H
 #define RIG_OWN_LOOPS_H
 
@@ -19,7 +19,7 @@ typedef struct {
     analyse_loop_t speed;
 } own_margins_t;
 
-/// At the electrical speed given, by the EMF.
+/// At this electrical speed, with the EMF.
 own_margins_t own_loops_at(const lode_drive_config_t *drive, const lode_drive_tuning_t *tuning,
                            double omega_rad_s);
 

@@ -32,7 +32,7 @@ static double in_dB(double complex x) {
     return 20.0 * log10(cabs(x));
 }
 
-/// The curve below what a sampled system can show.
+/// The curve below the frequency limit of a sampled system.
 static double top_of(const analyse_t *self, analyse_form_t form) {
     return form == ANALYSE_SAMPLED ? fmin(TO_rad_s, 0.999 * RIG_PI / self->ts_s) : TO_rad_s;
 }
@@ -51,13 +51,13 @@ static loop_ratio_t pll(const analyse_t *self, analyse_form_t form, double sigma
                                    : loop_pll(sigma, third);
 }
 
-/// Share of a predicted error that is left after the correction.
+/// Share of a predicted error that remains after the correction.
 static double left_over(const analyse_t *self, analyse_form_t form, double sigma, bool third) {
     const double s = 1.0 - (double)lode_one_minus_exp((float)(sigma * self->ts_s));
     return form == ANALYSE_SAMPLED ? pow(s, third ? 3.0 : 2.0) : 1.0;
 }
 
-/// Angle per acceleration that the PLL does not know of: eqs. (27), (28).
+/// Angle per acceleration that is unknown to the PLL: eqs. (27), (28).
 static double complex disturbed(const analyse_t *self, analyse_form_t form, bool third,
                                 double omega_rad_s) {
     const loop_ratio_t loop = pll(self, form, FIG4_SIGMA, third);
@@ -104,7 +104,7 @@ static void figure4(analyse_t *self) {
 static double final_error(const analyse_t *self, analyse_form_t form, bool third, int order) {
     const loop_ratio_t loop = pll(self, form, FIG4_SIGMA, third);
     const polynomial_t sum = polynomial_sum(&loop.top, &loop.bottom);
-    // The loop's integrators outnumber the input's but in one case.
+    // The loop has more integrators than the input, except in one case.
     const double ratio = loop.bottom.c[order] / sum.c[0];
     return loop.bottom.degree > order ? 0.0 : -left_over(self, form, FIG4_SIGMA, third) * ratio;
 }
@@ -131,7 +131,7 @@ static loop_ratio_t notch(const analyse_t *self, analyse_form_t form, double cen
                                    : loop_notch(NOTCH_K, centre);
 }
 
-/// Width between the two frequencies at which the notch takes 3 dB.
+/// Width between the two frequencies at which the notch attenuates by 3 dB.
 static double width_of(const loop_ratio_t *loop, double centre) {
     double edge[2];
     for (int side = 0; side < 2; ++side) {

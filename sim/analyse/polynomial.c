@@ -60,7 +60,7 @@ static void swap_rows_and_columns(int n, matrix_t a, int p, int q) {
     }
 }
 
-/// Takes row m, times a factor, from row i and gives column i, as often, to column m.
+/// Subtracts row m times a factor from row i, and adds column i times that factor to column m.
 static void eliminate(int n, matrix_t a, int m, int i) {
     const double complex f = a[i][m - 1] / a[m][m - 1];
     for (int j = 0; j < n; ++j) {
@@ -133,7 +133,7 @@ static void qr_step(matrix_t a, int first, int last, double complex shift) {
     }
 }
 
-/// First row of the last block that no zero below the diagonal divides.
+/// First row of the last block that is not split by a zero below the diagonal.
 static int block_start(matrix_t a, int last) {
     for (int k = last; k > 0; --k) {
         const double around = size_of(a[k - 1][k - 1]) + size_of(a[k][k]);
@@ -161,7 +161,7 @@ bool matrix_eigenvalues(int n, matrix_t a, double complex *values) {
         if (++steps > QR_STEPS_MAX) {
             return false;
         }
-        // Now and then another shift, against cycles.
+        // Occasionally another shift, to avoid cycles.
         const double complex odd = a[last][last] + 0.75 * size_of(a[last][last - 1]);
         qr_step(a, first, last, steps % QR_STEPS_ODD == 0 ? odd : wilkinson(a, last));
     }

@@ -10,7 +10,7 @@ enum { MATRIX_MAX = 20 };
 typedef double complex matrix_t[MATRIX_MAX][MATRIX_MAX];
 
 /// Eigenvalues of the first n rows and columns, in no order; destroys `a`. Balanced, reduced to
-/// Hessenberg form, then QR steps with Wilkinson's shift. False where it does not converge.
+/// Hessenberg form, then QR steps with Wilkinson's shift. False if it does not converge.
 bool matrix_eigenvalues(int n, matrix_t a, double complex *values);
 
 /// Solves a x = b in place (x in b); destroys `a`. False for a singular matrix.

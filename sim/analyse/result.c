@@ -5,7 +5,7 @@
 
 analyse_row_t *analyse_row(analyse_t *self, const char *table, const char *setting,
                            const char *quantity, const char *unit) {
-    // The table's size is a constant that the tests exceed nowhere; the last row then takes it all.
+    // The size of the table is a constant that no test exceeds; beyond it the last row is overwritten.
     const int at = self->rows < ANALYSE_ROWS_MAX ? self->rows++ : ANALYSE_ROWS_MAX - 1;
     analyse_row_t *row = &self->row[at];
     *row = (analyse_row_t){.table = table,

@@ -1,4 +1,4 @@
-/// What the analysis fills: figures of tables, frequency responses, poles and loops.
+/// The results of the analysis: table values, frequency responses, poles and loops.
 #ifndef RIG_ANALYSE_RESULT_H
 #define RIG_ANALYSE_RESULT_H
 
@@ -17,8 +17,7 @@ enum {
     ANALYSE_TEXT = 48
 };
 
-/// One figure: what the paper prints, what its formula as printed gives, and what is right. NaN:
-/// there is none.
+/// One value: as printed in the paper, from its formula as printed, and correct. NaN: none.
 typedef struct {
     const char *table;
     char setting[ANALYSE_TEXT];
@@ -46,7 +45,7 @@ typedef struct {
     double complex pole;
 } analyse_pole_t;
 
-/// The drive that was given, at one speed.
+/// The given drive at one speed.
 typedef struct {
     double speed_rpm, omega_rad_s;
     double lag_deg;          ///< of the observer, from the recursion, in double
@@ -57,12 +56,12 @@ typedef struct {
     double complex pole[JOINT_STATES_MAX];
 } analyse_speed_t;
 
-/// A control loop of the drive that was given.
+/// A control loop of the given drive.
 typedef struct {
     char name[ANALYSE_TEXT];
     double speed_rpm; ///< NaN: at any
     double crossover_rad_s, phase_deg;
-    double gain_dB; ///< that may be added; NaN: any
+    double gain_dB; ///< allowed increase of gain; NaN: no limit
 } analyse_loop_t;
 
 typedef struct {
@@ -75,7 +74,7 @@ typedef struct {
     analyse_loop_t loop[ANALYSE_LOOPS_MAX];
 } analyse_t;
 
-/// The next row; NaN in all figures.
+/// The next row; all values NaN.
 analyse_row_t *analyse_row(analyse_t *self, const char *table, const char *setting,
                            const char *quantity, const char *unit);
 

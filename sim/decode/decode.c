@@ -5,7 +5,7 @@
 #include "decode/frames.h"
 #include "decode/image.h"
 
-/// A buffer with the magic word and a header that might be one. Sets the order of the octets.
+/// True for a buffer with the magic word and a plausible header. Sets the order of the octets.
 static bool find_image(decode_source_t *source, uint32_t magic, size_t *offset) {
     for (size_t at = 0; at + 12 <= source->size; ++at) {
         for (source->order = 0; source->order < DECODE_ORDERS; ++source->order) {

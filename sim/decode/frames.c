@@ -1,9 +1,9 @@
-// Frames as they came over a wire: some may be missing, damaged, cut off, or something else between.
+// Received frames: some may be missing, damaged or cut off, with other octets in between.
 #include "decode/frames.h"
 
 #include <string.h>
 
-/// Of the octet behind the sync octet.
+/// Values of the octet after the sync octet.
 enum { VERSION = 0x60, PAYLOAD = 0x1F };
 enum {
     DESCRIBES = LODE_RING_DESCRIPTION & ~LODE_RING_DATA,
@@ -15,10 +15,10 @@ enum {
 typedef struct {
     decode_t *out;
     const decode_source_t *source;
-    size_t first; ///< octet behind the last frame
+    size_t first; ///< octet after the last frame
     bool any;     ///< frame found
     bool described;
-    uint32_t next; ///< number of the data frame expected
+    uint32_t next; ///< expected number of the next data frame
 } reader_t;
 
 static uint32_t crc_of(const unsigned char *data, size_t size) {
@@ -29,7 +29,7 @@ static uint32_t crc_of(const unsigned char *data, size_t size) {
     return ~crc;
 }
 
-/// Words of the frame that begins at `at`; 0: none begins there, or it is not whole.
+/// Length in words of the frame that begins at `at`; 0: no frame, or an incomplete one.
 static size_t frame_at(const decode_source_t *source, size_t at) {
     const unsigned char *octet = source->data + at;
     if (source->size - at < 12 || octet[0] != LODE_RING_SYNC || (octet[1] & VERSION) == 0) {
@@ -46,14 +46,14 @@ static size_t frame_at(const decode_source_t *source, size_t at) {
     return whole ? words : 0;
 }
 
-/// What lies between the last frame and `at`.
+/// Handles the octets between the last frame and `at`.
 static void note_damage(reader_t *self, size_t at) {
     decode_t *out = self->out;
     const size_t octets = at - self->first;
     if (octets == 0) {
         return;
     }
-    // Somebody listened in: the first frame began before the file, or the last one ends behind it.
+    // The recording began or ended within a frame.
     if (octets < OCTETS_MAX && !self->any) {
         out->before = octets;
     } else if (octets < OCTETS_MAX && at == self->source->size) {
@@ -85,7 +85,7 @@ static bool take_description(reader_t *self, size_t at, size_t words) {
     }
     now.overruns = decode_word(self->source, at + 16);
     *out = now;
-    // Back in time means that the drive was started anew.
+    // A step back in time means that the drive was restarted.
     const uint32_t ahead = next - self->next;
     if (self->described && ahead > INT32_MAX) {
         out->restarts++;

@@ -1,4 +1,4 @@
-/// Frames as they came over a wire.
+/// Received frames.
 #ifndef RIG_DECODE_FRAMES_H
 #define RIG_DECODE_FRAMES_H
 

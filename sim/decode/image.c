@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/// True if `words` words from `offset` on are there.
+/// True if the file has `words` words from `offset` on.
 static bool has_words(decode_t *self, const decode_source_t *source, size_t offset,
                       uint64_t words) {
     if (words <= (source->size - offset) / 4) {
@@ -14,7 +14,7 @@ static bool has_words(decode_t *self, const decode_source_t *source, size_t offs
                          4ull * (unsigned long long)words, offset);
 }
 
-/// Words of the header without the channels are there, the version is 1, the channels can be.
+/// True if the header without the channels is complete, the version is 1 and the channels are possible.
 static bool take_header(decode_t *self, const decode_source_t *source, size_t offset,
                         uint32_t words) {
     if (!has_words(self, source, offset, words)) {
@@ -122,7 +122,7 @@ static bool take_state(decode_t *self, const decode_source_t *source, size_t off
                                        "row of the event", scope->filled, &scope->event);
 }
 
-/// The check over all words before it, the lowest octet first.
+/// The CRC-32 over all words before it, the lowest octet first.
 static bool check(decode_t *self, const decode_source_t *source, size_t offset, size_t end) {
     if (!self->checked) {
         return true;

@@ -1,4 +1,4 @@
-/// What is read of a recorder's octets, and how its parts add to it.
+/// The contents of a recorder's octets, and functions that add to them.
 #ifndef RIG_DECODE_PARSED_H
 #define RIG_DECODE_PARSED_H
 
@@ -21,10 +21,10 @@ typedef enum { DECODE_WANT_ANY, DECODE_WANT_RING, DECODE_WANT_SCOPE } decode_wan
 
 enum { DECODE_PLACES_MAX = 20, DECODE_MESSAGE_LENGTH = 200 };
 
-/// Where something is missing.
+/// A gap.
 typedef struct {
-    size_t offset; ///< in the file; of the row that comes after
-    size_t row;    ///< the one that comes after
+    size_t offset; ///< in the file, of the next row
+    size_t row;    ///< the next row
     uint32_t lost; ///< rows
 } decode_gap_t;
 
@@ -45,9 +45,9 @@ typedef struct {
     uint32_t *number; ///< of the frame; scope: of the period
     float *value;     ///< rows x channels
     size_t before;    ///< octets before the first frame, or before the buffer
-    size_t after;     ///< octets behind the last frame: one that is cut off
+    size_t after;     ///< octets after the last frame: a frame that is cut off
     // Frames.
-    uint32_t overruns;  ///< that the drive has told last
+    uint32_t overruns;  ///< last number reported by the drive
     size_t undescribed; ///< frames before the first description
     size_t restarts;    ///< of the drive
     uint64_t lost;      ///< frames
@@ -60,22 +60,22 @@ typedef struct {
     uint32_t trigger; ///< lode_trigger_t
     uint32_t source;
     float level;
-    bool checked;   ///< its CRC-32 was there and is right
+    bool checked;   ///< its CRC-32 is present and correct
     bool has_event; ///< `event` is the row of it
     size_t event;
-    // Refused: where, and in words what was expected.
+    // A refusal: the place, and the expectation in words.
     size_t offset;
     char message[DECODE_MESSAGE_LENGTH];
 } decode_t;
 
 void decode_free(decode_t *self);
 
-/// Orders of the octets in a word that are known.
+/// Known orders of the octets in a word.
 enum { DECODE_ORDERS = 4 };
 
 const char *decode_order_name(int order);
 
-// ---- For those that read ---------------------------------------------------------------------------
+// ---- For the readers ---------------------------------------------------------------------------
 
 /// The octets of a file with the order of those in a word.
 typedef struct {
@@ -92,7 +92,7 @@ float decode_float(uint32_t bits);
 /// Notes the refusal; returns false.
 bool decode_refuse(decode_t *self, size_t offset, const char *format, ...) RIG_PRINTF(3, 4);
 
-/// Rate, decimation and channels, in words at these offsets; refuses what cannot be.
+/// Reads rate, decimation and channels from the words at these offsets; refuses impossible values.
 bool decode_setup(decode_t *self, const decode_source_t *source, size_t f_pwm_at,
                   size_t decimation_at, size_t channels_at);
 

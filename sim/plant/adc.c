@@ -32,7 +32,7 @@ static uint64_t next_bits(uint64_t s[4]) {
     return result;
 }
 
-/// In (0, 1]: the logarithm takes it.
+/// In (0, 1], valid for the logarithm.
 static double uniform(plant_noise_t *self) {
     return ((double)(next_bits(self->state) >> 11) + 1.0) * (1.0 / 9007199254740992.0);
 }
@@ -76,12 +76,12 @@ void plant_adc_init(plant_adc_t *self, const plant_config_t *config) {
 }
 
 static uint16_t to_count(const plant_adc_t *self, double value) {
-    const double up = value + 0.5; // the conversion cuts off
+    const double up = value + 0.5; // the conversion truncates
     return (uint16_t)(up >= 1.0 ? (up < self->full_scale_count ? up : self->full_scale_count)
                                 : 0.0);
 }
 
-/// No draw where there is no noise: an ideal ADC costs nothing.
+/// No random number is drawn without noise, so that an ideal ADC costs nothing.
 static double noise(plant_adc_t *self, double rms) {
     return rms > 0.0 ? rms * plant_noise_next(&self->noise) : 0.0;
 }

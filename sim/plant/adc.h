@@ -4,14 +4,14 @@
 
 #include "plant/config.h"
 
-/// Made in advance, so that one transform does not wait for another.
+/// Random numbers made in advance, so that one transform does not wait for another.
 enum { PLANT_NOISE_STORE = 16 };
 
 /// xoshiro256++ (Blackman and Vigna, 2019) feeding the Box-Muller transform.
 typedef struct {
     uint64_t state[4];
     double store[PLANT_NOISE_STORE];
-    int left; ///< in the store, at its end
+    int left; ///< unused numbers at the end of the store
 } plant_noise_t;
 
 typedef struct {
@@ -25,7 +25,7 @@ typedef struct {
 
 void plant_adc_init(plant_adc_t *self, const plant_config_t *config);
 
-/// Fills the currents, voltage and temperature of `counts`, one per set; leaves the rest alone.
+/// Fills the currents, voltage and temperature of `counts`, one per set; leaves the rest unchanged.
 void plant_adc_convert(plant_adc_t *self, const double i_A[PLANT_LEGS], double v_bus_V,
                        double temperature_degC, plant_counts_t *counts);
 

@@ -1,7 +1,7 @@
-/// The plant's configuration: what motor, what shaft, what inverter, what sensors.
+/// The plant's configuration: motor, shaft, inverter and sensors.
 ///
-/// SI units, with the unit's symbol at the end of each name. Zero switches an effect off wherever
-/// that makes sense.
+/// SI units, with the unit's symbol at the end of each name. Zero switches an effect off where that is
+/// meaningful.
 #ifndef PLANT_CONFIG_H
 #define PLANT_CONFIG_H
 
@@ -36,7 +36,7 @@ typedef struct {
     double Lxy_H;    ///< two sets: inductance of the xy plane, above 0
     double psi_Wb;   ///< magnet flux linkage, 0 and up
     double i_sat_A;  ///< q saturation: Lq_H falls towards Lq_sat_H around this current; 0: linear
-    double Lq_sat_H; ///< what is left of Lq_H at infinite current, 0 < Lq_sat_H <= Lq_H
+    double Lq_sat_H; ///< Lq at infinite current, 0 < Lq_sat_H <= Lq_H
     double id_sat_A; ///< d saturation around this current; 0: linear
     double Ld_sat_H; ///< differential Ld at infinite positive id, 0 < Ld_sat_H <= Ld_H
     /// Cross-saturation: the differential cross-inductance dpsi_d/diq is largest, -Ldq_H, at this iq
@@ -62,9 +62,9 @@ typedef struct {
     double stiction_Nm;       ///< held at standstill on top of a passive load, 0 and up
     double fan_Nms2;          ///< load torque per square of the mechanical speed, 0 and up
     double cogging_Nm;        ///< amplitude of a torque that follows the rotor's angle, 0 and up
-    double cogging_per_turn;  ///< its periods in a mechanical turn
-    double load_J_kgm2;       ///< a second mass, on which the load acts; 0: none
-    double shaft_Nm_rad;      ///< stiffness between the masses, above 0 where there are two
+    double cogging_per_turn;  ///< periods per mechanical turn
+    double load_J_kgm2;       ///< inertia of a second mass, on which the load acts; 0: none
+    double shaft_Nm_rad;      ///< stiffness between the masses, above 0 with two masses
     double shaft_Nms_rad;     ///< damping between them, 0 and up
     double backlash_rad;      ///< mechanical angle between one flank and the other, 0 and up
     bool speed_is_prescribed; ///< true: a dynamometer holds omega_m; see plant_set_speed
@@ -76,8 +76,8 @@ typedef struct {
     double period_s;    ///< from call to call: a PWM period
     bool double_update; ///< or half of one
     double v_bus_V;     ///< at the start; see plant_set_bus
-    /// capacitor behind a rectifier, which charges it to v_bus_V and takes nothing back; 0: a stiff source, a
-    /// battery say. It follows once a period, and needs keeps_accounts
+    /// capacitor after a rectifier, which charges it to v_bus_V and takes no energy back; 0: a stiff source,
+    /// for example a battery. Updated once per period; needs keeps_accounts
     double bus_C_F;
     double
         chopper_R_Ohm;  ///< brake resistor across the capacitor; see plant_write_chopper(); 0: none
@@ -108,10 +108,10 @@ typedef struct {
     bool keeps_accounts;
 } plant_config_t;
 
-/// What the firmware sees at t_k of one set; bus, temperature and stamp are the same for both.
+/// Inputs of the firmware at t_k for one set; bus, temperature and stamp are the same for both.
 typedef struct {
     uint16_t i[PLANT_PHASES];   ///< out of the inverter into the motor: above half scale
-    uint16_t link[PLANT_LINKS]; ///< of a shunt in the DC link, into the bridge: above half scale
+    uint16_t link[PLANT_LINKS]; ///< shunt in the DC link; current into the bridge: above half scale
     uint16_t v_bus;
     uint16_t temperature;
     bool trip;      ///< hardware trip; see plant_set_trip
@@ -121,7 +121,7 @@ typedef struct {
 /// The motor of Jiang et al., Energies 2022, 15, 1943, Table 3, at 200 V, 5 kHz and 4 us dead time,
 /// switching level, at rest, no load. The paper gives neither on-state drops, harmonics nor
 /// saturation: those are zero here. Keeps accounts. The ADC (12 bit, +-25 A, 0..409.5 V) and a timer of
-/// 16800 steps are a plausible board, also not from the paper.
+/// 16800 steps belong to a plausible board, also not from the paper.
 plant_config_t plant_config_jiang2022(void);
 
 #endif

@@ -6,7 +6,7 @@ static plant_harmonic_t harmonic_of(double size, double phase) {
     return (plant_harmonic_t){.re = size * cos(phase), .im = size * sin(phase)};
 }
 
-/// What a pair of neighbours gives in dq: the lower turns backwards, the upper forwards.
+/// The sum of two neighbouring harmonics in dq: the lower one turns backwards, the upper one forwards.
 static plant_ripple_t ripple_of(plant_harmonic_t lower, plant_harmonic_t upper) {
     return (plant_ripple_t){
         .d_sin = -(lower.re + upper.re),

@@ -1,4 +1,4 @@
-/// The magnet's flux and what it induces, with its harmonics.
+/// The magnet's flux and its EMF, with harmonics.
 #ifndef PLANT_FLUX_H
 #define PLANT_FLUX_H
 

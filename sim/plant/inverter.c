@@ -33,7 +33,7 @@ static int legs_of(const plant_inverter_t *self) {
     return self->sets * PLANT_PHASES;
 }
 
-/// Without current the terminal's limits move at every edge; an open phase feels none.
+/// Without current the terminal's limits change at every edge; an open phase has no limits.
 static void find_next_edge(plant_leg_t *leg) {
     const plant_pwm_t *pwm = &leg->pwm;
     const bool high = plant_inverter_on_high_rail(pwm->gate, leg->sign);
@@ -61,7 +61,7 @@ static void update_leg(const plant_inverter_t *self, int n, plant_leg_t *leg) {
     update_source(self, n, leg);
 }
 
-/// Which legs of a set carry no current.
+/// The legs of a set that carry no current.
 static int floating_of(const plant_inverter_t *self, int set) {
     int idle = 0, floating = PLANT_NONE_FLOATS;
     for (int n = set * PLANT_PHASES; n < (set + 1) * PLANT_PHASES; n++) {
@@ -85,7 +85,7 @@ static plant_vector_t sources_of(const plant_inverter_t *self, int set) {
     return (plant_vector_t){u * co - v * si, u * si + v * co};
 }
 
-/// The vectors that the motor sees of the leg sources.
+/// The vectors of the leg sources at the motor.
 static void update_vectors(plant_inverter_t *self) {
     const plant_vector_t first = sources_of(self, 0);
     self->drive.u_alpha_V = first.alpha;
@@ -131,7 +131,7 @@ static void begin_averaged(plant_inverter_t *self, const double i_A[PLANT_LEGS],
     }
 }
 
-/// What conducts in a leg with broken switches where `gate` is asked for.
+/// The effective gate of a leg with broken switches for the requested `gate`.
 static plant_gate_t of_broken(const plant_leg_t *leg, plant_gate_t gate) {
     if (leg->shorted[0] || leg->shorted[1]) {
         return leg->shorted[1] ? PLANT_GATE_HIGH : PLANT_GATE_LOW;
@@ -164,28 +164,28 @@ static void begin_switched(plant_inverter_t *self, const double i_A[PLANT_LEGS],
         if (was_averaging) {
             leg->sign = leg->open ? 0 : sign_of(i_A[n]);
         }
-        // Edges that changed no terminal are still to be made.
+        // Edges that changed no terminal voltage are still pending.
         plant_pwm_finish(&leg->pwm);
         plant_pwm_schedule(&leg->pwm, duty[n], gates, self->period_s, self->dead_time_s);
         break_edges(leg);
     }
 }
 
-/// What the timer makes of a duty.
+/// The duty after quantisation by the timer.
 static double realised(const plant_inverter_t *self, double duty) {
     const double within = duty > 0.0 ? (duty < 1.0 ? duty : 1.0) : 0.0;
     return self->pwm_ticks > 0 ? (double)(int64_t)(within * self->pwm_ticks + 0.5) / self->pwm_ticks
                                : within;
 }
 
-/// All phases of a set carry current, also one that the period before ended with.
+/// True if all phases of a set carry current, also at the end of the previous period.
 static bool conducts(const plant_inverter_t *self, int set) {
     const plant_leg_t *leg = &self->leg[set * PLANT_PHASES];
     return self->drive.floating[set] == PLANT_NONE_FLOATS && leg[0].sign != 0 && leg[1].sign != 0 &&
            leg[2].sign != 0;
 }
 
-/// The start of a period in which all phases conduct as they did.
+/// Starts a period in which all phases conduct as before.
 static void go_on(plant_inverter_t *self) {
     for (int n = 0; n < legs_of(self); n++) {
         (void)plant_pwm_apply(&self->leg[n].pwm, 0.0);
@@ -349,7 +349,7 @@ void plant_inverter_settle(plant_inverter_t *self, plant_motor_t *motor, double 
     }
     update_drive(self);
     plant_inverter_clear(self, motor);
-    // What set 2 does moves the floating terminals of set 1: the next stretch finds that at its start.
+    // A change in set 2 moves the floating terminals of set 1; the next stretch takes this into account at its start.
     for (int set = 0; set < self->sets; set++) {
         if (!self->averaging[set]) {
             settle_set(self, motor, set);
@@ -382,7 +382,7 @@ static double zero_of_parabola(double i_0, double slope_0, double i_1, double h)
     const double q = i_1 - i_0 - slope_0 * h; // times (t/h)^2
     const double b = slope_0 * h;             // times (t/h)
     const double root = sqrt(fmax(b * b - 4.0 * q * i_0, 0.0));
-    // i_0 and i_1 differ in sign, so exactly one root lies in 0..1; the form that does not cancel.
+    // i_0 and i_1 differ in sign, so exactly one root lies in 0..1; this form avoids cancellation.
     const double t = -0.5 * (b + copysign(root, b));
     const double first = t / q, second = i_0 / t;
     const double x = first > 0.0 && first <= 1.0 ? first : second;
@@ -419,7 +419,7 @@ static bool is_driven(const plant_inverter_t *self, const plant_leg_t *leg, doub
            (after == pwm->edges || pwm->edge[after].at_s >= now_s + h_s);
 }
 
-/// The conducting leg whose current is first through zero.
+/// The conducting leg whose current crosses zero first.
 static bool find_zero_crossing(const plant_inverter_t *self, const plant_motor_t *motor,
                                const plant_motor_state_t *before, const plant_stretch_t *stretch,
                                double now_s, double h_s, plant_event_t *event) {
@@ -436,7 +436,7 @@ static bool find_zero_crossing(const plant_inverter_t *self, const plant_motor_t
         double i_0[PLANT_LEGS];
         plant_motor_phase_currents(motor, before, i_0);
         if (sign * i_0[n] < -PLANT_NOISE_A) {
-            // Two crossings so close that one was passed over: put the sign right.
+            // Two crossings were so close that one was missed: correct the sign.
             *event = (plant_event_t){.after_s = 0.0, .leg = n, .sign = -sign};
             return true;
         }
@@ -522,7 +522,7 @@ bool plant_inverter_find_event(const plant_inverter_t *self, const plant_motor_t
 void plant_inverter_take_event(plant_inverter_t *self, plant_motor_t *motor,
                                const plant_event_t *event) {
     if (event->leg == PLANT_ALL_FLOAT) {
-        return; // settling finds out which
+        return; // the settling determines which
     }
     if (self->leg[event->leg].sign == -event->sign) {
         plant_inverter_adopt_signs(self, motor);
@@ -538,13 +538,13 @@ void plant_inverter_follow_signs(plant_inverter_t *self, const plant_motor_t *mo
     double i_A[PLANT_LEGS];
     bool turned = false;
     if (self->has_drops) {
-        return; // every passage was an event
+        return; // every zero crossing was an event
     }
     plant_motor_phase_currents(motor, &motor->x, i_A);
     for (int n = 0; n < legs_of(self); n++) {
         plant_leg_t *leg = &self->leg[n];
         if (leg->sign * i_A[n] < -PLANT_NOISE_A && !self->averaging[n / PLANT_PHASES]) {
-            // Which edges still count depends on the sign, and so does what one of just now did.
+            // The sign decides which edges still count, and the effect of an edge at this instant.
             (void)plant_pwm_apply(&leg->pwm, now_s);
             leg->sign = -leg->sign;
             update_leg(self, n, leg);

@@ -11,7 +11,7 @@
 #define CROSS_DD_MAX 0.85865
 #define CROSS_QQ_MAX 2.0
 
-/// An answer below this share of the current is rounding.
+/// A correction below this share of the current is rounding.
 static const double step_enough = 1e-8;
 /// Current below which `step_enough` is absolute, A.
 static const double current_floor_A = 1e-6;
@@ -33,7 +33,7 @@ void plant_iron_init(plant_iron_t *self, const plant_config_t *c) {
         .i_cross_A = cross ? SQRT3 * c->i_cross_A : 0.0,
         .cross_H = cross ? CROSS_PER_LARGEST * c->Ldq_H : 0.0,
     };
-    // The least eigenvalue where each of the three is at its worst, wherever that is.
+    // The least eigenvalue with each of the three terms at its worst, even if at different currents.
     const double d_H = c->Ld_H * (1.0 - self->Ld_fall) - CROSS_DD_MAX * fabs(self->cross_H);
     const double q_H = self->Lq_sat_H - CROSS_QQ_MAX * fabs(self->cross_H);
     const double half_H = hypot(0.5 * (d_H - q_H), self->cross_H / CROSS_PER_LARGEST);
@@ -115,7 +115,7 @@ void plant_iron_currents(const plant_iron_t *self, double psi_d_Wb, double psi_q
     enum { STEPS = 100 };
     plant_iron_point_t at = plant_iron_at(self, *id_A, *iq_A);
     double share = 1.0;
-    // Newton's method; where the whole step goes too far for the residual to fall, half of it.
+    // Newton's method; the step is halved if the residual does not fall.
     for (int n = 0; n < STEPS; n++) {
         const double d_Wb = psi_d_Wb - at.psi_d_Wb, q_Wb = psi_q_Wb - at.psi_q_Wb;
         const plant_iron_answer_t y = plant_iron_answer(&at);

@@ -10,13 +10,13 @@
 #include "plant/config.h"
 
 typedef struct {
-    const plant_map_t *map; ///< in place of all that follows but smallest_L_H; NULL: none
+    const plant_map_t *map; ///< replaces all following fields but smallest_L_H; NULL: none
     double Ld_H, Lq_H, Lq_sat_H;
-    double Ld_fall;      ///< share of Ld_H that goes at large positive, and comes at negative, id
-    double inv_id_sat;   ///< 0: D is linear
-    double inv_i_sat;    ///< 0: Q is linear
-    double i_cross_A;    ///< scale of X, sqrt(3) times the current of the largest Ldq_H
-    double cross_H;      ///< size of X, 0: none
+    double Ld_fall;    ///< share of Ld_H lost at large positive id, and added at large negative id
+    double inv_id_sat; ///< 0: D is linear
+    double inv_i_sat;  ///< 0: Q is linear
+    double i_cross_A;  ///< scale of X, sqrt(3) times the current of the largest Ldq_H
+    double cross_H;    ///< size of X, 0: none
     double smallest_L_H; ///< no differential inductance in any direction is less
 } plant_iron_t;
 
@@ -26,12 +26,12 @@ typedef struct {
     double Ldd_H, Ldq_H, Lqq_H;
 } plant_iron_point_t;
 
-/// How the currents answer to voltage, 1/H: the inverse of the differential inductances.
+/// Slope of the currents per volt, 1/H: the inverse of the differential inductances.
 typedef struct {
     double dd, dq, qq;
 } plant_iron_answer_t;
 
-/// NULL, or what is wrong with the inductances.
+/// NULL, or the error of the inductances.
 const char *plant_iron_check(const plant_config_t *config);
 
 /// True if anything saturates.
@@ -43,11 +43,11 @@ plant_iron_point_t plant_iron_at(const plant_iron_t *self, double id_A, double i
 
 plant_iron_answer_t plant_iron_answer(const plant_iron_point_t *at);
 
-/// The currents that belong to two fluxes, to rounding, from a guess of them.
+/// The currents for two fluxes, to rounding, from an initial guess.
 void plant_iron_currents(const plant_iron_t *self, double psi_d_Wb, double psi_q_Wb, double *id_A,
                          double *iq_A);
 
-/// What the magnetic field holds at these currents above that at none, J/1.5: id psi_d + iq psi_q - W (M14).
+/// Energy of the magnetic field at these currents relative to no current, J/1.5: id psi_d + iq psi_q - W (M14).
 double plant_iron_energy(const plant_iron_t *self, double id_A, double iq_A);
 
 #endif

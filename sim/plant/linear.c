@@ -8,37 +8,37 @@
 #define HOT static inline
 #endif
 
-/// The rotor turns no further in one run, rad: half of it each way is what the short series are made for.
+/// Largest turn of the rotor in one run, rad: the short series are exact for half of it each way.
 static const double longest_turn = 0.3;
-/// The torque may change the acceleration no more in one run than by this share of a swing, rad: the loop takes it
-/// for constant.
+/// Largest effect of a change of acceleration in one run, as the phase of a swing, rad: the loop assumes
+/// constant acceleration.
 static const double longest_swing = 0.025;
-/// Of the fastest motion between two points, rad.
+/// Phase of the fastest motion between two points, rad.
 static const double longest_piece = 0.1;
-/// A current that reverses is found to this, A: half of what counts as zero.
+/// Accuracy of the zero of a reversing current, A: half of the limit for zero.
 static const double zero_A = 1e-5;
 
 /// A vector's two components, alpha and beta or d and q, which the processor takes together.
 typedef double pair_t __attribute__((vector_size(2 * sizeof(double))));
 
-/// One instant. Vectors in the coordinates of the run: the rotor's when half of it is over.
+/// One instant. Vectors in the coordinates of the run: those of the rotor in its middle.
 typedef struct {
-    pair_t psi_u; ///< flux linkage without the resistance: at the start, and all volt-seconds since
+    pair_t
+        psi_u; ///< flux linkage without the resistance: its initial value plus all volt-seconds since
     pair_t i, i_As;
-    pair_t dq; ///< the current as the rotor sees it
+    pair_t dq; ///< the current in rotor coordinates
     double t_s;
     double torque; ///< psi x i
 } point_t;
 
-/// A leg on its way.
+/// State of a leg in the run.
 typedef struct {
     pair_t axis;
     double next_s; ///< its next edge
-    double
-        guard; ///< sign that its current must not lose without notice; 0 where that changes nothing
+    double guard;  ///< sign of its current whose loss must be detected; 0 if it has no effect
     double i_A;
     double step_V;    ///< of the source vector along the axis when the terminal next moves
-    plant_gate_t key; ///< with drops: going on or off, it alone moves the terminal
+    plant_gate_t key; ///< with drops: only this gate moves the terminal, on or off
     int next;         ///< with drops: the edge at next_s
 } way_t;
 
@@ -46,9 +46,10 @@ typedef struct {
     plant_inverter_t *inverter;
     // Constant in a run.
     pair_t L, inv_L, psi_m; ///< d and q
-    pair_t pull;            ///< share of the other current in the slope, by speed
+    pair_t pull;            ///< share of the other current in the slope, times speed
     double R;
-    double rails_V, drops_V; ///< between a leg's two places; between the two signs at one of them
+    double rails_V,
+        drops_V; ///< difference between a leg's two levels; difference between the two signs at one level
     double middle_s, w, half_a; ///< the angle from the middle: w t + half_a t^2
     double longest_s, slope_A_s;
     pair_t drift_A_s; ///< slope of the current without voltage
@@ -56,7 +57,7 @@ typedef struct {
     pair_t u, half_slope, psi_start;
     pair_t axis_alpha, axis_beta; ///< of phases a and b
     way_t leg[PLANT_PHASES];
-    bool may_pass;   ///< pass_over has not just been in vain
+    bool may_pass;   ///< pass_over() has not just failed
     int passed_sign; ///< of a leg before it
     plant_gate_t passed_gate;
     // Sums of h^3, of that times u, of h^2 times the change of the current, of the torque over time and over that
@@ -76,7 +77,7 @@ HOT void turned_little(double angle, double *c, double *s) {
     *s = angle * (1.0 - x2 * (1.0 / 6 - x2 * (1.0 / 120)));
 }
 
-/// The same for good, below 1e-13.
+/// The same for final results, below 1e-13.
 static void turned(double angle, double *c, double *s) {
     const double x2 = angle * angle;
     *c = 1.0 - x2 * (0.5 - x2 * (1.0 / 24 - x2 * (1.0 / 720 - x2 * (1.0 / 40320))));
@@ -111,7 +112,7 @@ HOT point_t advance(const run_t *run, double h) {
     const double t = to.t_s - run->middle_s;
     turned_little(t * (run->w + t * run->half_a), &c, &s);
     to.psi_u = from->psi_u + h * run->u;
-    // The drop by an estimate of the current on the way, so that nothing has to wait for its end.
+    // The resistive drop from an estimate of the mean current, so that it does not wait for the result.
     const pair_t i_As = from->i_As + h * (from->i + h * run->half_slope);
     const pair_t psi = to.psi_u - run->R * i_As;
     to.dq = (turned_back(psi, c, s) - run->psi_m) * run->inv_L;
@@ -135,7 +136,7 @@ HOT bool keeps_signs(const run_t *run, const double i_A[PLANT_PHASES]) {
     return least >= -PLANT_NOISE_A;
 }
 
-/// Goes to a point that has been found good.
+/// Accepts a point.
 HOT void accept(run_t *run, const point_t *to, const double i_A[PLANT_PHASES], double h) {
     const point_t *from = &run->at;
     const double h2 = h * h, h3 = h2 * h, torque_s = 0.5 * h * (from->torque + to->torque);
@@ -156,7 +157,7 @@ HOT void set_slope(run_t *run) {
     run->half_slope = 0.5 * (run->u * run->inv_L + run->drift_A_s);
 }
 
-/// With drops: a current is guarded all the time, and only edges that move the terminal count.
+/// With drops: a current is always guarded, and only edges that move the terminal count.
 HOT void find_move(run_t *run, int n, int from) {
     const plant_pwm_t *pwm = &run->inverter->leg[n].pwm;
     way_t *way = &run->leg[n];
@@ -169,7 +170,7 @@ HOT void find_move(run_t *run, int n, int from) {
     way->next_s = k < pwm->edges ? pwm->edge[k].at_s : HUGE_VAL;
 }
 
-/// Where the leg's terminal is with this gate and its sign, and what moves it.
+/// The level of the leg's terminal for this gate and sign, and the edge that changes it.
 HOT void look_at_leg(run_t *run, int n, plant_gate_t gate) {
     const int sign = run->inverter->leg[n].sign;
     way_t *way = &run->leg[n];
@@ -185,8 +186,8 @@ HOT void move_terminal(run_t *run, int n) {
     set_slope(run);
 }
 
-/// Without drops: a current is guarded only while both gates are off, and unless it is too large to pass zero until the
-/// other turns on.
+/// Without drops: a current is guarded only while both gates are off, unless it is too large to pass zero
+/// before the other gate turns on.
 HOT void find_next(run_t *run, int n) {
     plant_leg_t *leg = &run->inverter->leg[n];
     plant_pwm_t *pwm = &leg->pwm;
@@ -202,7 +203,7 @@ HOT void find_next(run_t *run, int n) {
     way->next_s = k < pwm->edges ? pwm->edge[k].at_s : HUGE_VAL;
 }
 
-/// The current may have passed through zero where that changes nothing.
+/// The current may have passed through zero without any effect.
 HOT void follow_sign(run_t *run, int n) {
     plant_leg_t *leg = &run->inverter->leg[n];
     if (leg->sign * run->leg[n].i_A < -PLANT_NOISE_A) {
@@ -227,7 +228,7 @@ HOT void take_edge(run_t *run, int n, bool drops) {
     find_next(run, n);
 }
 
-/// What the rotor's motion adds to the slope of the current as it sees it, and the EMF: (M1), (M2).
+/// Contribution of the rotor's motion and the EMF to the slope of the current in rotor coordinates: (M1), (M2).
 HOT pair_t rotation_A_s(const run_t *run, double w, pair_t dq) {
     const pair_t emf_A_s = {0.0, w * run->psi_m[0] * run->inv_L[1]};
     return w * swapped(dq) * run->pull - emf_A_s;
@@ -245,7 +246,7 @@ static double slope_of(const run_t *run, int n) {
     return slope[0] + slope[1];
 }
 
-/// The leg whose current is first through zero on the way to i_A, by straight lines.
+/// The leg whose current crosses zero first on the way to i_A, by linear interpolation.
 static int first_through_zero(const run_t *run, const double i_A[PLANT_PHASES]) {
     int first = 0;
     double soonest = HUGE_VAL;
@@ -260,9 +261,8 @@ static int first_through_zero(const run_t *run, const double i_A[PLANT_PHASES]) 
     return first;
 }
 
-/// Goes to where the leg's current is zero, within h. False if that is not found soon, or another leg is
-/// earlier. A current that starts at zero has its other zero, the one to find, further on than a straight line
-/// tells.
+/// Goes to the zero of the leg's current within h. False if it is not found quickly, or another leg is earlier.
+/// For a current that starts at zero, the zero to find is later than linear interpolation gives.
 static bool go_to_zero(run_t *run, int n, double i_end_A, double h) {
     double i_A[PLANT_PHASES];
     double early_s = 0.0, late_s = h, early_A = run->leg[n].i_A, late_A = i_end_A;
@@ -291,29 +291,29 @@ static bool go_to_zero(run_t *run, int n, double i_end_A, double h) {
     return false;
 }
 
-/// The other sign, and what it makes of the leg's edges from this one on.
+/// Reverses the sign, and updates the leg's edges from this one on.
 static void change_sign(run_t *run, int n, plant_gate_t gate, int next) {
     run->inverter->leg[n].sign *= -1;
     look_at_leg(run, n, gate);
     find_move(run, n, next);
 }
 
-/// When the leg's current is zero, by the parabola through its value and slope now and its value at h; negative where
-/// that is far from a straight line.
+/// Time of the zero of the leg's current, by the parabola through its value and slope now and its value at h;
+/// negative if the parabola is far from a straight line.
 static double zero_on_the_way(const run_t *run, int n, double i_end_A, double h) {
     const double i_A = run->leg[n].i_A, mean = (i_end_A - i_A) / h;
     const double bend = mean - slope_of(run, n), straight = -i_A / (i_end_A - i_A);
     if (!(fabs(bend) < 0.1 * fabs(mean))) {
         return -1.0;
     }
-    // By how much the parabola is off the line there, over its slope.
+    // Deviation of the parabola from the line there, over its slope.
     const double off = bend * straight * (1.0 - straight);
     return h * (straight + off / (mean + bend * (2.0 * straight - 1.0)));
 }
 
-/// Goes past the zero that is at zero_s to the end of the piece, or to where the leg of the other sign has its next
-/// edge. Until then the source is the mean one; what the bend of the flux linkage at zero_s takes from the integrals is
-/// (M19). False if the current does not go on with the other sign, or another one is in the way.
+/// Goes past the zero at zero_s to the end of the piece, or to the next edge of the leg with the other sign.
+/// Until then the mean source is used; (M19) corrects the integrals for the bend of the flux linkage at zero_s.
+/// False if the current does not continue with the other sign, or another current crosses zero.
 static bool go_past_zero(run_t *run, int n, double zero_s, double h) {
     const way_t *way = &run->leg[n];
     const pair_t step_V = -way->guard * run->drops_V * way->axis, u = run->u;
@@ -340,7 +340,7 @@ static bool go_past_zero(run_t *run, int n, double zero_s, double h) {
     return good;
 }
 
-/// The usual reversal: while a gate is on, and by much. False where nothing was done.
+/// The usual reversal: while a gate is on, with a steep current. False if nothing was done.
 static bool pass_zero(run_t *run, int n, double i_end_A, double h) {
     plant_leg_t *leg = &run->inverter->leg[n];
     plant_pwm_t *pwm = &leg->pwm;
@@ -362,8 +362,9 @@ static bool pass_zero(run_t *run, int n, double i_end_A, double h) {
     return false;
 }
 
-/// A current that passes zero while a gate is on reverses, unless the drops hold it. False where the run has to end:
-/// the current of leg `stopped` is zero and stays so for now, or, if that is PLANT_NONE_FLOATS, the search failed.
+/// A current that passes zero while a gate is on reverses, unless the drops hold it. False if the run has to
+/// end: the current of leg `stopped` is zero and stays zero for now, or, if that is PLANT_NONE_FLOATS, the
+/// search failed.
 static bool reverse(run_t *run, const double i_A[PLANT_PHASES], double h, int *stopped) {
     const int n = first_through_zero(run, i_A);
     plant_leg_t *leg = &run->inverter->leg[n];
@@ -387,7 +388,7 @@ static bool reverse(run_t *run, const double i_A[PLANT_PHASES], double h, int *s
     return false;
 }
 
-/// Coordinates, and the motor at the start in them.
+/// Sets the coordinates, and the initial state of the motor in them.
 static void place(run_t *run, const plant_motor_t *motor, double a, double T_s) {
     const plant_motor_state_t *x = &motor->x;
     const double w = motor->np * x->omega_m_rad_s;
@@ -411,7 +412,7 @@ static void place(run_t *run, const plant_motor_t *motor, double a, double T_s) 
     run->axis_beta = (pair_t){run->leg[0].axis[1], run->leg[1].axis[1]};
 }
 
-/// Torque that acts against psi x i on the shaft, without friction, Nm; the speed is not zero where the load is passive.
+/// Torque against psi x i on the shaft, without friction, Nm; with a passive load the speed is not zero.
 static double load_of(const plant_motor_t *motor) {
     return motor->load_is_passive ? copysign(fabs(motor->load_Nm), motor->x.omega_m_rad_s)
                                   : motor->load_Nm;
@@ -460,7 +461,7 @@ static void start(run_t *run, plant_inverter_t *inverter, const plant_motor_t *m
     const double inv_L = motor->inv_Ld > motor->inv_Lq ? motor->inv_Ld : motor->inv_Lq;
     const double rate = smaller(-fabs(w), -run->R * inv_L);
     run->longest_s = -longest_piece / (rate - 1.0);
-    // No current changes faster, whatever conducts.
+    // Upper bound of the slope of any current, whatever conducts.
     run->slope_A_s = inv_L * (inverter->v_bus_V + 2.0 * fabs(w) * (fabs(psi[0]) + fabs(psi[1])) +
                               run->R * (fabs(dq[0]) + fabs(dq[1])));
     run->h3 = run->torque_s = run->torque_s2 = run->h_dd_dq = 0.0;
@@ -478,15 +479,15 @@ static void start(run_t *run, plant_inverter_t *inverter, const plant_motor_t *m
     }
 }
 
-/// What the trapezoid missed, by (M18), with the rotor as it is in the middle: takes it from the integrals of the
-/// current and the torque.
+/// Corrects the integrals of current and torque for the error of the trapezoidal rule by (M18), with the rotor
+/// angle of the middle.
 static void correct(run_t *run, pair_t psi) {
     static const pair_t conjugate = {1.0, -1.0};
     const double w = run->w, R = run->R, h3 = run->h3;
     const double Ld = run->L[0], Lq = run->L[1], psi_m = run->psi_m[0];
     const double turn = 2.0 * w * (run->inv_L[0] - run->inv_L[1]);
     const pair_t dq = (psi - run->psi_m) * run->inv_L;
-    // What changes the flux linkage: voltage less drop.
+    // The change of the flux linkage: voltage minus drop.
     const pair_t v = run->h3_u - R * h3 * dq, r = R * run->h2_di;
     const pair_t pull = {w * w * psi_m * run->inv_L[0] * h3, 0.0};
     const pair_t i2 = turn * (swapped(v) - conjugate * (w * h3 * psi)) + pull - run->inv_L * r;
@@ -497,18 +498,18 @@ static void correct(run_t *run, pair_t psi) {
         (1.0 / 12);
 }
 
-/// Brings the motor to where the run ended.
+/// Sets the motor to the end of the run.
 static void finish(run_t *run, plant_motor_t *motor, double start_s) {
     plant_motor_state_t *x = &motor->x;
     const double inv_J = electrical_inv_J(motor), K = motor->power * motor->np;
     const double T_s = run->at.t_s - start_s, w = motor->np * x->omega_m_rad_s;
     correct(run, 0.5 * (run->psi_start + run->at.psi_u - run->R * run->at.i_As));
-    // Each torque turns the rotor from its own time to the end.
+    // Each torque accelerates the rotor from its own time to the end.
     const double steady = load_of(motor) + motor->B_Nms * x->omega_m_rad_s;
     const double dw = inv_J * (K * run->torque_s - steady * T_s);
     const double moment = run->torque_s * (run->at.t_s - run->middle_s) - run->torque_s2;
     const double turn = T_s * w + inv_J * (K * moment - 0.5 * steady * T_s * T_s);
-    // Where the coordinates lie from the start, then how far the rotor is beyond.
+    // Angle of the coordinates from the start, then that of the rotor from the coordinates.
     const double half_s = run->middle_s - start_s;
     const double beyond = turn - half_s * (run->w - run->half_a * half_s);
     double c, s;
@@ -546,8 +547,8 @@ bool plant_linear_can_run(const plant_inverter_t *inverter, const plant_motor_t 
            !leg[2].opening && !may_stop(inverter, motor);
 }
 
-/// The leg that turns off a gate next keeps its terminal there if its current then has this sign, which is as certain
-/// as a straight line can make it: passes over the edge.
+/// A leg that turns off a gate next keeps its terminal level if its current then has this sign. If linear
+/// extrapolation makes that certain, the edge is skipped.
 HOT bool pass_over(run_t *run, int n, double limit_s) {
     plant_leg_t *leg = &run->inverter->leg[n];
     plant_pwm_t *pwm = &leg->pwm;
@@ -574,7 +575,7 @@ HOT bool pass_over(run_t *run, int n, double limit_s) {
     return true;
 }
 
-/// Another current did not come that far.
+/// Another current does not reach zero by then.
 static void step_back(run_t *run, int n) {
     plant_leg_t *leg = &run->inverter->leg[n];
     leg->sign = run->passed_sign;
@@ -589,7 +590,7 @@ HOT int soonest_of(const way_t leg[PLANT_PHASES]) {
     return leg[2].next_s < leg[n].next_s ? 2 : n;
 }
 
-/// A current would lose its sign within h. False where the run ends at this, as reverse() has it.
+/// A current would lose its sign within h. False if the run ends here, as in reverse().
 HOT bool meet_zero(run_t *run, int passed, const double i_A[PLANT_PHASES], double h,
                    int *events_left, int *stopped) {
     if (passed != PLANT_NONE_FLOATS) {
@@ -601,7 +602,7 @@ HOT bool meet_zero(run_t *run, int passed, const double i_A[PLANT_PHASES], doubl
     return *events_left > 0 && reverse(run, i_A, h, stopped);
 }
 
-/// Up to until_s; returns the leg whose current stopped, or PLANT_NONE_FLOATS.
+/// Runs up to until_s; returns the leg whose current stopped, or PLANT_NONE_FLOATS.
 HOT int go(run_t *run, double until_s, int *events_left, bool drops) {
     int stopped = PLANT_NONE_FLOATS;
     run->may_pass = !drops;
@@ -633,7 +634,7 @@ HOT int go(run_t *run, double until_s, int *events_left, bool drops) {
     return stopped;
 }
 
-/// A copy for either kind of inverter.
+/// One copy of the code for each kind of inverter.
 static int go_with_drops(run_t *run, double until_s, int *events_left) {
     return go(run, until_s, events_left, true);
 }
@@ -660,7 +661,7 @@ double plant_linear_run(plant_inverter_t *inverter, plant_motor_t *motor, double
     if (stopped != PLANT_NONE_FLOATS) {
         plant_inverter_take_event(inverter, motor, &(plant_event_t){.leg = stopped, .sign = 0});
     }
-    if (run.at.t_s < inverter->period_s) { // the next period begins with that
+    if (run.at.t_s < inverter->period_s) { // the next period begins with this edge
         plant_inverter_settle(inverter, motor, run.at.t_s);
     }
     return run.at.t_s;

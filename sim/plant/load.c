@@ -37,7 +37,7 @@ static double shaft_torque(const plant_load_t *load, const plant_motor_state_t *
            load->shaft_Nms_rad * (x->omega_m_rad_s - x->load_omega_rad_s);
 }
 
-/// (M8) against the speed `omega` of a mass that `push_Nm` drives; the fan by the speed half a step on.
+/// (M8) against the speed `omega` of a mass driven by `push_Nm`; the fan torque uses the speed half a step later.
 static plant_shaft_t opposed(const plant_motor_t *m, double push_Nm, double angle_rad, double omega,
                              double inv_J, double half_s) {
     const plant_load_t *load = &m->load;
@@ -78,7 +78,8 @@ plant_shaft_t plant_load_shaft(const plant_motor_t *motor, double torque_Nm, dou
 void plant_load_follow(plant_motor_t *motor, const plant_motor_state_t *before, double h_s) {
     const plant_load_t *load = &motor->load;
     plant_motor_state_t *x = &motor->x;
-    // Speeds by the torque at the start, then the twist by the new speeds: neither damps nor feeds a swing.
+    // Speeds from the torque at the start, then the twist from the new speeds: this adds no damping and no
+    // energy to an oscillation.
     const double push = shaft_torque(load, before);
     const double omega = before->load_omega_rad_s;
     const plant_shaft_t shaft =

@@ -1,4 +1,4 @@
-/// What is on the shaft besides a constant torque: a fan, stiction, once-per-turn ripple, cogging, and
+/// Loads on the shaft other than a constant torque: a fan, stiction, once-per-turn ripple, cogging, and
 /// a second mass on an elastic shaft with backlash.
 ///
 /// With the load's mechanical angle a and speed w, T the constant torque (config.h):
@@ -14,24 +14,24 @@
 
 #include "plant/motor.h"
 
-/// What the rotor feels besides the motor's torque and viscous friction; constant in one step.
+/// Torque on the rotor other than the motor's torque and viscous friction; constant in one step.
 typedef struct {
     double load_Nm;
-    double inv_J; ///< 0 where the speed is held, by a dynamometer or by the load at standstill
+    double inv_J; ///< 0 if a dynamometer, or the load at standstill, holds the speed
 } plant_shaft_t;
 
 void plant_load_init(plant_motor_t *motor, const plant_config_t *config);
 
-/// For a step of h_s, with the motor's torque at its start. Only where motor->has_load.
+/// For a step of h_s, with the motor's torque at its start. Only if motor->has_load.
 plant_shaft_t plant_load_shaft(const plant_motor_t *motor, double torque_Nm, double h_s);
 
-/// Moves the second mass, which there must be, through a step, after the rotor, which was at `before`.
+/// Moves the second mass, which must exist, through a step, after the rotor, which was at `before`.
 void plant_load_follow(plant_motor_t *motor, const plant_motor_state_t *before, double h_s);
 
-/// The load stops the rotor where its speed passes zero.
+/// The load stops the rotor when its speed passes zero.
 bool plant_load_stops(const plant_motor_t *motor);
 
-/// Square of the fastest natural frequency of what is on the shaft, 1/s2.
+/// Square of the fastest natural frequency of the loads on the shaft, 1/s2.
 double plant_load_swing2(const plant_motor_t *motor);
 
 #endif

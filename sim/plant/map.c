@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stddef.h>
 
-/// Reciprocity: how far dpsi_d/diq and dpsi_q/did of a cell may lie apart, as a share of the geometric
-/// mean of the inductances. Torque by the fluxes and torque by the energy then differ by some per cent.
+/// Reciprocity: largest difference of dpsi_d/diq and dpsi_q/did of a cell, as a share of the geometric mean of
+/// the inductances. The torques from fluxes and from energy then differ by a few per cent.
 static const double asymmetry_max = 0.1;
 /// Points per cell and axis at which the inductances must be positive, both edges included.
 enum { LOOKS = 5 };
@@ -94,7 +94,7 @@ plant_map_value_t plant_map_at(const plant_map_t *self, double id_A, double iq_A
     return at;
 }
 
-/// Slope at node k of values that lie `stride` apart: of the parabola through it and its neighbours.
+/// Slope at node k of values `stride` apart: that of the parabola through the node and its neighbours.
 static double slope_of(const double *value, int stride, const double *at, int nodes, int k) {
     const int m = k == 0 ? 1 : (k == nodes - 1 ? nodes - 2 : k);
     const double h0 = at[m] - at[m - 1], h1 = at[m + 1] - at[m];
@@ -104,7 +104,7 @@ static double slope_of(const double *value, int stride, const double *at, int no
     return s0 + bend * (2.0 * at[k] - at[m - 1] - at[m]);
 }
 
-/// What the co-energy gains from node k to the next: trapezoid with its correction of the ends.
+/// Gain of the co-energy from node k to the next: trapezoidal rule with end correction.
 static double gain_of(const double *flux, int stride, const double *at, int nodes, int k) {
     const double h = at[k + 1] - at[k];
     return 0.5 * h * (flux[k * stride] + flux[(k + 1) * stride]) -
@@ -112,7 +112,7 @@ static double gain_of(const double *flux, int stride, const double *at, int node
                (slope_of(flux, stride, at, nodes, k + 1) - slope_of(flux, stride, at, nodes, k));
 }
 
-/// The co-energy of every node, as the mean of two ways to it: first along d, then q, and the reverse.
+/// The co-energy of every node, as the mean over two paths: first along d, then q, and the reverse.
 static void find_energy(plant_map_t *self, const double *psi_d, const double *psi_q) {
     const int rows = self->rows, columns = self->columns;
     double along_d[PLANT_MAP_MOST] = {0.0}, along_q[PLANT_MAP_MOST] = {0.0};
@@ -141,7 +141,7 @@ static void find_energy(plant_map_t *self, const double *psi_d, const double *ps
     }
 }
 
-/// (dpsi_q/did - dpsi_d/diq) of a cell: what goes round it over its area.
+/// (dpsi_q/did - dpsi_d/diq) of a cell: the circulation around it over its area.
 static double asymmetry_of(const plant_map_t *self, int r, int c) {
     const plant_map_node_t *n00 = node_at(self, r, c), *n01 = node_at(self, r, c + 1);
     const plant_map_node_t *n10 = node_at(self, r + 1, c), *n11 = node_at(self, r + 1, c + 1);
@@ -149,7 +149,7 @@ static double asymmetry_of(const plant_map_t *self, int r, int c) {
            0.5 * (n01->d + n11->d - n00->d - n10->d) / (self->iq_A[c + 1] - self->iq_A[c]);
 }
 
-/// The least differential inductance in any direction; NaN is not above anything.
+/// The least differential inductance in any direction; comparisons with NaN are false.
 static double least_of(const plant_map_value_t *at) {
     return 0.5 * (at->dd + at->qq) - hypot(0.5 * (at->dd - at->qq), at->dq);
 }

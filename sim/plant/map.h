@@ -1,6 +1,6 @@
-/// Flux linkages of a real machine on a grid of currents, as measurements and finite elements give them.
+/// Flux linkages of a real machine on a grid of currents, from measurements or finite elements.
 ///
-/// Between the nodes lies one co-energy (M15), a bicubic Hermite surface whose slopes at the nodes are the
+/// The map interpolates one co-energy (M15), a bicubic Hermite surface whose slopes at the nodes are the
 /// given fluxes: reciprocity and energy are exact everywhere, as in iron.h.
 #ifndef PLANT_MAP_H
 #define PLANT_MAP_H
@@ -34,19 +34,19 @@ typedef struct {
     double W, d, q, dd, dq, qq;
 } plant_map_value_t;
 
-/// What is wrong with a map, and where.
+/// The error of a map, and its place.
 typedef struct {
     const char *why; ///< NULL: nothing
     int row, column; ///< of the cell's first node
     double found;    ///< inductance, H
 } plant_map_fault_t;
 
-/// Takes the fluxes of every node, row by row, and finds the surface. `self` has rows, columns and
-/// currents, which hold zero, and room for its nodes.
+/// Takes the fluxes of every node, row by row, and computes the surface. `self` has rows, columns, currents,
+/// which include zero, and room for its nodes.
 plant_map_fault_t plant_map_init(plant_map_t *self, const double *psi_d_Wb, const double *psi_q_Wb);
 
-/// Beyond its edges the inductances stay what they are there. A machine that gets there is not the
-/// one of the map, nor is its energy: see plant_map_holds().
+/// Beyond the edges the inductances stay those of the edge. There neither machine nor energy are those of the
+/// map: see plant_map_holds().
 plant_map_value_t plant_map_at(const plant_map_t *self, double id_A, double iq_A);
 
 bool plant_map_holds(const plant_map_t *self, double id_A, double iq_A);

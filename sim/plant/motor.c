@@ -25,7 +25,7 @@ typedef struct {
     double ix, iy; // two sets only
 } point_t;
 
-/// What the code that every step runs three times need not look at; constants in each copy of it.
+/// Conditions that are constant in each copy of the code that every step runs three times.
 typedef struct {
     bool dual;  ///< two sets
     bool plain; ///< plant_motor_t.is_plain, and nothing floats
@@ -35,7 +35,7 @@ typedef struct {
 
 typedef struct {
     double did, dpsi_q, torque;
-    double dpsi_d;  // in place of did where the iron saturates
+    double dpsi_d;  // instead of did if the iron saturates
     double u_float; // one set only
     double dix, diy;
     plant_vector_t push[PLANT_SETS]; // voltage of floating phases, two sets only
@@ -102,7 +102,7 @@ HOT point_t point_of(const plant_motor_t *m, const plant_motor_state_t *x, kind_
     return at;
 }
 
-/// How the currents at a point answer to voltage.
+/// Slopes of the currents per volt at a point.
 HOT plant_iron_answer_t answer_at(const plant_motor_t *m, const point_t *at, kind_t kind) {
     if (!kind.iron) {
         return (plant_iron_answer_t){m->inv_Ld, 0.0, m->inv_Lq};
@@ -149,7 +149,7 @@ static void hold_floating(const plant_motor_t *m, const plant_drive_t *drive, co
     slope->u_float = 1.5 * push;
 }
 
-/// The same for two sets, which the iron couples.
+/// The same for two sets, which saturation couples.
 static void hold_sets(const plant_motor_t *m, const plant_drive_t *drive, const point_t *at,
                       slope_t *slope, kind_t kind) {
     const double w = m->np * at->omega;
@@ -175,7 +175,7 @@ static void hold_sets(const plant_motor_t *m, const plant_drive_t *drive, const 
     slope->diy += u.xy.beta * m->inv_Lxy;
 }
 
-/// (M6), then whatever floats.
+/// (M6), then the floating phases.
 static void add_second_set(const plant_motor_t *m, const plant_drive_t *drive, const point_t *at,
                            slope_t *slope, kind_t kind) {
     const double w = m->np * at->omega;
@@ -222,7 +222,7 @@ HOT slope_t slope_at(const plant_motor_t *m, const plant_drive_t *drive, const p
     return slope;
 }
 
-/// A passive load opposes motion; at standstill it holds as long as it is the stronger.
+/// A passive load opposes motion; at standstill it holds as long as it is larger than the torque.
 static plant_shaft_t shaft_at(const plant_motor_t *m, double torque, double h_s) {
     if (m->has_load) {
         return plant_load_shaft(m, torque, h_s);
@@ -262,7 +262,7 @@ static inline void rotate(double angle, double *c, double *s) {
     *c = turned;
 }
 
-/// A passive load stops the shaft, it never turns it back. The rest of the speed becomes its heat.
+/// A passive load stops the shaft but never reverses it. The remaining kinetic energy becomes heat in the load.
 static void stop_at_reversal(plant_motor_t *m, double omega_before, plant_stretch_t *sum) {
     if (omega_before * m->x.omega_m_rad_s < 0.0 && plant_load_stops(m)) {
         sum->load_J += plant_motor_kinetic_energy(m);
@@ -275,7 +275,7 @@ static double terminal_of(const plant_vector_t *push, int leg) {
     return 1.5 * (plant_axis_cos[leg] * push->alpha + plant_axis_sin[leg] * push->beta);
 }
 
-/// What the search for a change of conduction needs.
+/// Values for the search for a change of conduction.
 HOT void note_ends(const plant_motor_t *m, const point_t *p, const slope_t *k, plant_stretch_t *sum,
                    kind_t kind) {
     const plant_vector_dq_t di = current_slopes(m, &p[0], &k[0], kind);
@@ -285,7 +285,7 @@ HOT void note_ends(const plant_motor_t *m, const point_t *p, const slope_t *k, p
     sum->diq_start_A_s = di.q;
 }
 
-/// What two sets have besides.
+/// Additional states of two sets.
 static void note_ends_of_sets(const plant_drive_t *drive, const slope_t *k, plant_stretch_t *sum) {
     sum->dix_start_A_s = k[0].dix;
     sum->diy_start_A_s = k[0].diy;
@@ -302,7 +302,7 @@ static void note_ends_of_sets(const plant_drive_t *drive, const slope_t *k, plan
     }
 }
 
-/// The quadratures that belong to the states: the same weights at the same three points.
+/// The quadratures of the states: the same weights at the same three points.
 static void integrate(const plant_motor_t *m, const plant_shaft_t *shaft, const point_t *p,
                       const slope_t *k, double h, plant_stretch_t *sum) {
     const double g = h / 6.0, g1 = 4.0 * g;
@@ -325,7 +325,7 @@ static void integrate(const plant_motor_t *m, const plant_shaft_t *shaft, const 
     sum->set[0].u_Vs = g * k[0].u_float + g1 * k[1].u_float + g * k[2].u_float;
 }
 
-/// What two sets have besides.
+/// Additional states of two sets.
 static void integrate_second_set(const plant_drive_t *drive, const point_t *p, const slope_t *k,
                                  double h, plant_stretch_t *sum) {
     const double g = h / 6.0, g1 = 4.0 * g;
@@ -345,13 +345,13 @@ static void integrate_second_set(const plant_drive_t *drive, const point_t *p, c
     }
 }
 
-/// All phases float: no current, no torque, only (M4) is left.
+/// All phases float: no current and no torque, only (M4) remains.
 static void coast(plant_motor_t *m, double h, plant_stretch_t *sum) {
     const double omega_0 = m->x.omega_m_rad_s;
     const plant_shaft_t shaft = shaft_at(m, 0.0, h);
     const plant_planes_t flux_0 = plant_flux_magnet(m, &m->x),
                          emf_0 = plant_flux_open_emf(m, &m->x);
-    // The linear equation needs two corrections to be as good as the rest.
+    // The linear equation needs two corrections to be as exact as the rest.
     const double a_0 = acceleration(m, &shaft, 0.0, omega_0);
     const double pole = m->B_Nms * shaft.inv_J * h;
     const double gain = 1.0 - pole * (0.5 - pole / 6.0);
@@ -382,7 +382,7 @@ static void coast(plant_motor_t *m, double h, plant_stretch_t *sum) {
     stop_at_reversal(m, omega_0, sum);
 }
 
-/// Where the trial slopes lead from p[0].
+/// The point reached from p[0] with the trial slopes.
 HOT void move(const plant_motor_t *m, const point_t *from, double h, const slope_t *k, point_t *to,
               kind_t kind) {
     to->psi_q = from->psi_q + h * k->dpsi_q;
@@ -413,7 +413,8 @@ HOT void step(plant_motor_t *self, const plant_drive_t *drive, double h_s, plant
     const plant_shaft_t shaft = shaft_at(self, k[0].torque, h_s);
     const double a_0 = acceleration(self, &shaft, k[0].torque, p[0].omega);
 
-    double c, s; // of half the angle turned, taken twice; then what acceleration adds to that
+    double c,
+        s; // for half the angle turned, applied twice; then the contribution of the acceleration
     small_angle(self->np * half * (p[0].omega + 0.5 * half * a_0), &c, &s);
     const double more = self->np * half * half * a_0;
     p[1].cos = p[0].cos * c - p[0].sin * s;
@@ -502,11 +503,11 @@ double plant_motor_longest_step(const plant_motor_t *self, double R_Ohm) {
     const double decay = R_Ohm / (self->sets == 1 ? L : fmin(L, self->Lxy_H));
     double fastest2 = fmax(w * w, decay * decay);
     if (self->has_xy_harmonics) {
-        // A few per cent of the current, which turn up to seven times as fast: steps a third of (7 w).
+        // Harmonics of a few per cent of the current turn up to seven times as fast: steps of a third of 1/(7 w).
         fastest2 = fmax(fastest2, 5.4 * w * w);
     }
     if (!self->speed_is_prescribed) {
-        // The rotor swings in the field of the currents like a mass on a spring; light ones fast.
+        // The rotor swings in the field of the currents like a mass on a spring, a light one fast.
         // Saturation leaves less flux.
         const double psi_d = self->psi_Wb + self->Ld_H * self->x.id_A;
         const double psi_q = self->Lq_H * self->x.iq_A;
@@ -527,7 +528,7 @@ static kind_t kind_of(const plant_motor_t *self) {
 
 double plant_motor_torque(const plant_motor_t *self) {
     const plant_drive_t none = {.floating = {PLANT_NONE_FLOATS, PLANT_NONE_FLOATS}};
-    if (self->is_plain) { // asked for in every period
+    if (self->is_plain) { // computed in every period
         const kind_t plain = {.plain = true};
         const point_t at = point_of(self, &self->x, plain);
         return slope_at(self, &none, &at, plain).torque;

@@ -5,7 +5,7 @@
 ///     dpsi_q/dt = uq - Rt iq - w (psi_d + h_q)                                               (M2)
 ///     Te = 1.5 np ((psi_d + h_q) iq - (psi_q - h_d) id)                                      (M3)
 ///     J domega/dt = Te - load - B omega                                                      (M4)
-/// with what load.h puts on the shaft.
+/// with the loads of load.h on the shaft.
 /// psi_d = psi + Ld id, psi_q = Lq iq, or of iron that saturates (iron.h); there both fluxes are
 /// integrated within a step and the currents follow from them. h is the EMF of the 5th and 7th
 /// harmonic per rad/s, in dq; it depends on the angle only, so (M3) takes from the shaft exactly what
@@ -71,7 +71,7 @@ typedef struct {
     plant_harmonic_t harmonic5, harmonic7, harmonic11, harmonic13;
 } plant_motor_t;
 
-/// What acts on the windings during one stretch; constant in it.
+/// Voltages on the windings during one stretch; constant in it.
 typedef struct {
     /// Source vectors behind the on-state resistance. A single floating phase counts as 0 V in them.
     double u_alpha_V, u_beta_V;
@@ -87,7 +87,7 @@ typedef struct {
     plant_vector_t all_Vs, all_start_V, all_end_V; ///< of the set, when all of it floats
 } plant_float_t;
 
-/// What happened in one stretch: integrals of the same order as the states ...
+/// Results of one stretch: integrals of the same order as the states ...
 typedef struct {
     double i_alpha_As, i_beta_As, i_x_As, i_y_As;
     double i_squared_A2s; ///< of both planes
@@ -95,7 +95,7 @@ typedef struct {
     double friction_J;
     double load_J; ///< into the load or dynamometer
     plant_float_t set[PLANT_SETS];
-    // ... and what the search for a change of conduction needs: slopes of the currents.
+    // ... and the slopes of the currents, for the search for a change of conduction.
     double did_start_A_s, diq_start_A_s, dix_start_A_s, diy_start_A_s;
 } plant_stretch_t;
 
@@ -105,7 +105,7 @@ void plant_motor_init(plant_motor_t *self, const plant_config_t *config);
 void plant_motor_step(plant_motor_t *self, const plant_drive_t *drive, double h_s,
                       plant_stretch_t *sum);
 
-/// The longest step that keeps the error far below what a test could see, s.
+/// The longest step that keeps the error far below the resolution of any test, s.
 double plant_motor_longest_step(const plant_motor_t *self, double R_Ohm);
 
 /// Brings theta into (-pi, pi] and renews its cosine and sine.
@@ -122,8 +122,7 @@ void plant_motor_slopes(const plant_motor_t *self, const plant_drive_t *drive,
 double plant_motor_phase_slope(const plant_motor_t *self, const plant_motor_state_t *state,
                                const plant_stretch_t *stretch, int leg);
 
-/// EMF of the active flux plus the harmonics (what an extended-EMF observer sees); in xy the
-/// harmonics. V.
+/// EMF of the active flux plus the harmonics (as observed by an extended-EMF observer); in xy the harmonics. V.
 plant_planes_t plant_motor_active_emf(const plant_motor_t *self);
 
 /// The six of two sets.
@@ -144,7 +143,7 @@ static inline void plant_motor_phase_currents(const plant_motor_t *self,
     i_A[2] = -PLANT_SQRT3_2 * beta - 0.5 * alpha;
 }
 
-/// Removes what rounding left of the current of a phase that stopped conducting, or of a set.
+/// Removes the rounding error of the current of a phase, or of a set, that stopped conducting.
 void plant_motor_clear_phase(plant_motor_t *self, int leg);
 void plant_motor_clear_set(plant_motor_t *self, int set);
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stddef.h>
 
-/// Far above what a period can hold; ends a chain of events that makes no progress.
+/// Far above the number of events in a period; ends a chain of events without progress.
 enum { EVENTS_PER_PERIOD = 200 };
 
 plant_config_t plant_config_jiang2022(void) {
@@ -203,7 +203,7 @@ const char *plant_init(plant_t *self, const plant_config_t *config) {
     return NULL;
 }
 
-/// Adds what a set's floating phases have at their terminals to the mean voltage.
+/// Adds the terminal voltages of a set's floating phases to the mean voltage.
 static void book_floating(plant_t *self, int set, const plant_float_t *sum) {
     const int leg = self->inverter.drive.floating[set];
     plant_vector_t u_Vs = sum->all_Vs;
@@ -255,7 +255,7 @@ static void book(plant_t *self, const plant_stretch_t *sum, double h_s) {
     }
 }
 
-/// Slope of a leg's current where the motor stands, A/s.
+/// Slope of a leg's current in the present state of the motor, A/s.
 static double slope_now(const plant_t *self, int leg) {
     plant_stretch_t now;
     plant_motor_slopes(&self->motor, &self->inverter.drive, &now);
@@ -264,8 +264,8 @@ static double slope_now(const plant_t *self, int leg) {
 
 /// Moves the motor to the instant in 0..h_s at which a leg's current is zero; returns it.
 ///
-/// One step of Newton's method from a guess, then secants, kept in between an instant before and
-/// one after the crossing: a current that began at zero has a second root there, not meant here.
+/// One step of Newton's method from a guess, then secants, bracketed between an instant before and one after
+/// the crossing: a current that began at zero also has a root at its start, which is not wanted.
 static double step_to_zero(plant_t *self, const plant_motor_state_t *before, double guess_s,
                            double h_s, int leg, plant_stretch_t *sum) {
     const int sign = self->inverter.leg[leg].sign;
@@ -277,7 +277,7 @@ static double step_to_zero(plant_t *self, const plant_motor_state_t *before, dou
         plant_motor_phase_currents(&self->motor, &self->motor.x, i_A);
         const double now_A = i_A[leg];
         if (fabs(now_A) < 2e-5 || pass == 20) {
-            return at_s; // what is left is set to zero: a thousandth of a count
+            return at_s; // the remainder, a thousandth of a count, is set to zero
         }
         if (sign * now_A > 0.0) {
             early_s = at_s;
@@ -294,14 +294,14 @@ static double step_to_zero(plant_t *self, const plant_motor_state_t *before, dou
     }
 }
 
-/// Moves the motor by h_s or to the first change of conduction before that. Returns by how much.
+/// Moves the motor by h_s or to the first change of conduction before that. Returns the time moved.
 static double step_to_event(plant_t *self, double h_s, plant_stretch_t *sum, bool *has_event,
                             plant_event_t *event) {
     const plant_motor_state_t before = self->motor.x;
     double done_s = h_s;
     *has_event = false;
     plant_motor_step(&self->motor, &self->inverter.drive, h_s, sum);
-    // Where two events share a stretch the guess may take the later one first; then look again.
+    // If two events share a stretch the guess may find the later one first; then the search is repeated.
     for (int look = 0; look < PLANT_LEGS && self->events_left > 0; look++) {
         plant_event_t found;
         if (!plant_inverter_find_event(&self->inverter, &self->motor, &before, sum, self->now_s,
@@ -314,7 +314,7 @@ static double step_to_event(plant_t *self, double h_s, plant_stretch_t *sum, boo
         if (found.sign == 0 && found.leg != PLANT_ALL_FLOAT) {
             done_s = step_to_zero(self, &before, found.after_s, done_s, found.leg, sum);
         } else {
-            // A start needs no fine timing: its current begins with no slope.
+            // The start of a current needs no exact timing, because the current begins with no slope.
             done_s = found.after_s;
             self->motor.x = before;
             plant_motor_step(&self->motor, &self->inverter.drive, done_s, sum);
@@ -332,11 +332,11 @@ static void note_peak(plant_t *self) {
     }
 }
 
-/// To the next gate edge, or part of the way, or to a change of conduction.
+/// Advances to the next gate edge, part of the way there, or to a change of conduction.
 static void run_stretch(plant_t *self, double until_s, double longest_s) {
     plant_inverter_t *inverter = &self->inverter;
     const double edge_s = plant_inverter_next_edge(inverter, until_s);
-    // Equal parts: no sliver of a step at the end.
+    // Equal parts avoid a very short last step.
     const double gap_s = edge_s - self->now_s;
     const double parts = gap_s > longest_s ? ceil(gap_s / longest_s) : 1.0;
     const double h_s = parts > 1.0 ? gap_s / parts : gap_s;
@@ -363,12 +363,12 @@ static void run_stretch(plant_t *self, double until_s, double longest_s) {
     }
 }
 
-/// Simulates the period at hand up to `until_s`.
+/// Simulates the present period up to `until_s`.
 static void run(plant_t *self, double until_s) {
-    double longest_s = 0.0; // until a stretch asks for it
+    double longest_s = 0.0; // computed when a stretch needs it
     while (self->now_s < until_s) {
         const double now_s = self->now_s;
-        // A peak may lie at any edge: it is looked for at each.
+        // A peak may lie at any edge, so each edge is checked.
         if (!self->watches_peak && plant_linear_can_run(&self->inverter, &self->motor)) {
             self->now_s =
                 plant_linear_run(&self->inverter, &self->motor, now_s, until_s, &self->events_left);
@@ -407,7 +407,7 @@ static void sample_link(plant_t *self) {
     }
 }
 
-/// What the brake resistor takes in a period.
+/// Energy that the brake resistor takes in a period.
 static double chopped_J(const plant_t *self) {
     const double v_V = self->inverter.v_bus_V;
     return self->chopper_R_Ohm > 0.0
@@ -415,7 +415,7 @@ static double chopped_J(const plant_t *self) {
                : 0.0;
 }
 
-/// What inverter and brake resistor took out of the capacitor in the period, or put into it.
+/// Updates the capacitor for the energy that inverter and brake resistor took from it or returned in the period.
 static void follow_bus(plant_t *self) {
     if (!(self->bus_C_F > 0.0)) {
         return;
@@ -501,7 +501,7 @@ void plant_set_link_samples(plant_t *self, const double at[PLANT_LINKS]) {
 /// Currents at the sampling instant.
 static void sampled_currents(const plant_t *self, double i_A[PLANT_LEGS]) {
     if (self->sample_offset_s > 0.0) {
-        // Whatever the firmware does at t_k comes after this sample: run a copy ahead.
+        // The firmware acts at t_k after this sample, so a copy of the plant is run ahead.
         plant_t ahead = *self;
         begin_period(&ahead);
         run(&ahead, self->sample_offset_s);
@@ -585,7 +585,7 @@ void plant_set_speed(plant_t *self, double omega_m_rad_s) {
     const double before_J = plant_motor_kinetic_energy(&self->motor);
     self->motor.x.omega_m_rad_s = omega_m_rad_s;
     self->motor.speed_is_prescribed = true;
-    // The dynamometer pays for the jump.
+    // The dynamometer supplies the energy of the step.
     self->energy.load_J += before_J - plant_motor_kinetic_energy(&self->motor);
 }
 

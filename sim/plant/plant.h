@@ -1,6 +1,6 @@
-/// A motor, its shaft, its inverter and its current sensors: what the firmware is tested against.
+/// A motor, its shaft, its inverter and its current sensors, against which the firmware is tested.
 ///
-/// Independent of the library under test: it includes nothing of it and computes in double.
+/// Independent of the library under test: includes none of its headers and computes in double.
 ///
 ///     plant_t plant;
 ///     const plant_config_t config = plant_config_jiang2022();
@@ -12,8 +12,8 @@
 ///     }
 ///
 /// Timing. t_k starts PWM period k and lies in the middle of its zero vector (all low sides on).
-/// Duties written at t_k are shadowed and act in [t_k+1, t_k+2). Gates off acts in [t_k, t_k+1)
-/// already, as a hardware output-enable does; gates on comes with its duties at t_k+1. Without a
+/// Duties written at t_k are shadowed and act in [t_k+1, t_k+2). Gates off acts already in [t_k, t_k+1), as a
+/// hardware output-enable does; gates on acts with its duties at t_k+1. Without a
 /// new write the last one stays in force.
 ///
 /// Six phases (plant_config_t.sets = 2): plant_sample() fills an array of two counts, and
@@ -30,8 +30,8 @@
 #include "plant/inverter.h"
 #include "plant/motor.h"
 
-/// Where the energy went since plant_init, integrated along with the states if the configuration
-/// asks for accounts, otherwise NaN. All of it:
+/// Energy balance since plant_init(), integrated with the states if the configuration keeps accounts, otherwise
+/// NaN:
 ///     bus = copper + inverter + friction + load + (field + kinetic) - (the same at the start)
 typedef struct {
     double bus_J;      ///< out of the DC source; negative when it is charged
@@ -45,7 +45,7 @@ typedef struct {
     double chopper_J;  ///< in the brake resistor, out of the capacitor: no part of the sum
 } plant_energy_t;
 
-/// What really is at t_k. No error of any sensor in it.
+/// The true values at t_k, without sensor errors.
 typedef struct {
     double t_s;
     double theta_e_rad; ///< (-pi, pi]
@@ -74,33 +74,33 @@ typedef struct {
     int sets;
     bool trip[PLANT_SETS];
     plant_gates_t gates[PLANT_SETS],
-        next_gates[PLANT_SETS];                     ///< in the period at hand, in the next one
+        next_gates[PLANT_SETS];                     ///< in the present period, in the next one
     double duty[PLANT_LEGS], next_duty[PLANT_LEGS]; ///< of the first half of a period
     double fall[PLANT_LEGS], next_fall[PLANT_LEGS]; ///< of its second half
     double link_at[PLANT_LINKS], next_link_at[PLANT_LINKS];
     double link_A[PLANT_LINKS]; ///< sampled in the period that has ended
-    double now_s;               ///< within the period at hand
+    double now_s;               ///< within the present period
     int events_left;
-    plant_planes_t u_Vs; ///< over the period at hand, then over the last one
+    plant_planes_t u_Vs; ///< over the present period, then over the last one
     double i_early_A[PLANT_LEGS];
     plant_energy_t energy;
     double bus_C_F, source_V;
     double chopper_R_Ohm;
-    double chopper, next_chopper; ///< duty in the period at hand, in the next one
+    double chopper, next_chopper; ///< duty in the present period, in the next one
     double drawn_J;               ///< energy.bus_J at the start of the period
     bool watches_peak;
     double peak_A;
 } plant_t;
 
-/// NULL, or the reason in words; the object is untouched then. Starts with gates off, no current.
+/// NULL, or the reason of a refusal in words; then the object is unchanged. Starts with gates off and no current.
 const char *plant_init(plant_t *self, const plant_config_t *config);
 
 /// Reads ADC and truth at t_k; either may be NULL. Each conversion draws fresh noise. `counts`
 /// is one per set.
 void plant_sample(plant_t *self, plant_counts_t *counts, plant_truth_t *truth);
 
-/// Duties 0..1 (outside counts as the nearer end, NaN as 0) of the high sides, and what may switch. With
-/// the low sides alone the inverter switches even where it is averaged otherwise.
+/// Duties 0..1 (outside counts as the nearer end, NaN as 0) of the high sides, and what may switch. With the
+/// low sides alone the inverter switches even at the averaged level.
 /// plant_write() means the first set.
 void plant_write(plant_t *self, const double duty[PLANT_PHASES], plant_gates_t gates);
 void plant_write_set(plant_t *self, int set, const double duty[PLANT_PHASES], plant_gates_t gates);
@@ -112,53 +112,53 @@ void plant_write_halves(plant_t *self, const double rise[PLANT_PHASES],
 /// On-time of the brake chopper's switch, 0..1, from the next period on.
 void plant_write_chopper(plant_t *self, double duty);
 
-/// What the bus has now.
+/// Present bus voltage.
 double plant_bus_V(const plant_t *self);
 
-/// When the shunt in the DC link is sampled, shares of the period, in order; from the next period on. What it
-/// shows then (set 1) is plant_counts_t.link at that period's end.
+/// Sampling instants of the shunt in the DC link, as shares of the period, in order; from the next period on.
+/// The samples (set 1) are in plant_counts_t.link at the end of that period.
 void plant_set_link_samples(plant_t *self, const double at[PLANT_LINKS]);
 
 /// Simulates one PWM period, t_k to t_k+1.
 void plant_advance(plant_t *self);
 
-/// From now on the largest phase current is kept, in between the samples too: at every edge, and where conduction
-/// changes.
+/// From now on the largest phase current is recorded, also between the samples: at every edge, and at each
+/// change of conduction.
 void plant_watch_peak(plant_t *self);
 
-/// What it has been since then.
+/// The largest phase current since then.
 double plant_peak_A(const plant_t *self);
 
 /// Passive load: the sign does not matter. Otherwise positive brakes positive speed.
 void plant_set_load(plant_t *self, double load_Nm);
 
-/// What kind of load it is from now on.
+/// Sets the kind of load from now on.
 void plant_set_passive(plant_t *self, bool load_is_passive);
 
-/// From now on the shaft turns at this speed whatever the torque, as on a stiff dynamometer.
+/// From now on the shaft turns at this speed for any torque, as on a stiff dynamometer.
 void plant_set_speed(plant_t *self, double omega_m_rad_s);
 
-/// Ends plant_set_speed: the shaft goes on freely from the speed it has.
+/// Ends plant_set_speed(): the shaft continues freely from its present speed.
 void plant_release_speed(plant_t *self);
 
 void plant_set_bus(plant_t *self, double v_bus_V);
 
 void plant_set_temperature(plant_t *self, double temperature_degC);
 
-/// The hardware's trip input: while it is true all gates are off, from the t_k at hand on, and the
-/// firmware reads it. When it ends, the last write is in force again.
+/// The hardware's trip input: while true all gates are off, from the present t_k on, and the firmware reads it.
+/// When it ends, the last write is in force again.
 void plant_set_trip(plant_t *self, bool trip);
-/// The same of one set alone.
+/// The same for one set.
 void plant_set_trip_of(plant_t *self, int set, bool trip);
 
-/// What breaks. One switch of a leg no longer turns on, or is shorted: see plant_inverter_fail().
+/// One switch of a leg no longer turns on, or is shorted: see plant_inverter_fail().
 void plant_fail_switch(plant_t *self, int leg, bool high, bool shorted);
 /// The magnets have this flux from now on.
 void plant_set_flux(plant_t *self, double psi_Wb);
-/// The last write acts from now on, as by a register without a shadow.
+/// The last write acts from now on, as with a register without a shadow.
 void plant_write_through(plant_t *self);
 
-/// A wire breaks: the phase behind this leg (0..2 of set 1, 3..5 of set 2) carries no current from
+/// A wire breaks: the phase of this leg (0..2 of set 1, 3..5 of set 2) carries no current from
 /// the next zero of its current on.
 void plant_open_phase(plant_t *self, int leg);
 

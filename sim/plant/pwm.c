@@ -10,7 +10,7 @@ static void add_edge(plant_pwm_t *self, double at_s, plant_gate_t gate) {
     self->edge[self->edges++] = (plant_edge_t){.at_s = at_s, .gate = gate};
 }
 
-/// The modulator asks for a gate: the other goes off now, this one on after the dead time.
+/// The modulator requests a gate: the other one turns off now, this one turns on after the dead time.
 static void ask(plant_pwm_t *self, double at_s, plant_gate_t gate, double dead_time_s) {
     if (gate == self->wanted) {
         return;
@@ -24,8 +24,8 @@ static void ask(plant_pwm_t *self, double at_s, plant_gate_t gate, double dead_t
     self->ready_s = at_s + dead_time_s;
 }
 
-/// What most periods are: the low gate on at both ends, and each gate that is asked for turns on before the next goes
-/// off. The edges are those that ask() would make. False if the period is another one.
+/// The usual period: the low gate on at both ends, and each requested gate turns on before the next turns off.
+/// The edges are those of ask(). False for any other period.
 static bool schedule_pulse(plant_pwm_t *self, plant_duty_t duty, double period_s,
                            double dead_time_s) {
     const double rise_s = 0.5 * (1.0 - duty.rise) * period_s;
@@ -44,7 +44,7 @@ static bool schedule_pulse(plant_pwm_t *self, plant_duty_t duty, double period_s
     return true;
 }
 
-/// One half of a carrier period: an edge at most.
+/// One half of a carrier period: at most one edge.
 static void schedule_half(plant_pwm_t *self, plant_duty_t duty, plant_gate_t high, double period_s,
                           double dead_time_s, plant_part_t part) {
     const bool rises = part == PLANT_RISING_HALF;

@@ -1,6 +1,7 @@
 /// Gate timing of one inverter leg: centre-aligned PWM with dead time.
 ///
-/// The high side is asked for in [(1-d)/2, (1+d)/2) of the period, with a d for either end, and the low side in the rest. The
+/// The high side is requested in [(1-d)/2, (1+d)/2) of the period, with a separate d for each end, and the low
+/// side in the rest. The
 /// gate that turns off does so at once, the one that turns on waits for the dead time; a request
 /// shorter than the dead time leaves both off. Requests and waits carry over the period's boundary.
 #ifndef PLANT_PWM_H
@@ -10,7 +11,7 @@
 
 typedef enum { PLANT_GATE_OFF, PLANT_GATE_LOW, PLANT_GATE_HIGH } plant_gate_t;
 
-/// Which switches may be on. LOW: the low sides alone, in their share of the period.
+/// Switches that may be on. LOW: the low sides alone, in their share of the period.
 typedef enum { PLANT_GATES_OFF, PLANT_GATES_ON, PLANT_GATES_LOW } plant_gates_t;
 
 typedef struct {
@@ -20,8 +21,8 @@ typedef struct {
 
 enum { PLANT_EDGES = 8 };
 
-/// What of a carrier period is scheduled: all of it, or with double update the half up to its middle, whose pulse lies
-/// at its end, or the other, whose pulse lies at its beginning.
+/// The scheduled part of a carrier period: all of it, or with double update the first half, whose pulse lies at
+/// its end, or the second half, whose pulse lies at its start.
 typedef enum { PLANT_PERIOD, PLANT_RISING_HALF, PLANT_FALLING_HALF } plant_part_t;
 
 typedef struct {
@@ -30,7 +31,7 @@ typedef struct {
     int edges;
     int next;            ///< first edge still to come
     plant_gate_t gate;   ///< on now
-    plant_gate_t wanted; ///< asked for last
+    plant_gate_t wanted; ///< requested last
     bool waiting;        ///< the wanted gate is not on yet ...
     double ready_s;      ///< ... and turns on at this time
 } plant_pwm_t;
@@ -42,12 +43,12 @@ typedef struct {
     double rise, fall;
 } plant_duty_t;
 
-/// Lays out the edges of the period that begins now, which is the next half with double update. A duty of 0 or 1 makes
-/// none.
+/// Schedules the edges of the period that begins now; with double update, of the next half. A duty of 0 or 1
+/// has no edges.
 void plant_pwm_schedule(plant_pwm_t *self, plant_duty_t duty, plant_gates_t gates, double period_s,
                         double dead_time_s);
 
-/// Makes all edges that are left.
+/// Applies all remaining edges.
 static inline void plant_pwm_finish(plant_pwm_t *self) {
     if (self->next < self->edges) {
         self->next = self->edges;
@@ -58,7 +59,7 @@ static inline void plant_pwm_finish(plant_pwm_t *self) {
 /// First edge after this time; the number of edges if there is none.
 int plant_pwm_first_after(const plant_pwm_t *self, double at_s);
 
-/// Makes all edges up to this time; true if there was any.
+/// Applies all edges up to this time; true if there was any.
 bool plant_pwm_apply(plant_pwm_t *self, double now_s);
 
 #endif

@@ -27,7 +27,7 @@ static plant_config_t averaged_config(const double p[PLANT_REPLAY_PARAMETERS]) {
     return config;
 }
 
-/// Duties of the three legs around the middle of the bus, as far as it reaches.
+/// Duties of the three legs around half of the bus voltage, limited to its range.
 static void write_voltage(plant_t *plant, double u_alpha_V, double u_beta_V, double v_bus_V) {
     double phase_V[PLANT_PHASES], duty[PLANT_PHASES];
     for (int n = 0; n < PLANT_PHASES; n++) {

@@ -1,8 +1,8 @@
-/// The averaged plant under a given voltage record, with a C interface plain enough for scripts.
+/// The averaged plant with a recorded voltage, with a simple C interface for scripts.
 #ifndef PLANT_REPLAY_H
 #define PLANT_REPLAY_H
 
-/// Parameters, in this order. v_bus_V only bounds the voltage; it must exceed the line-line EMF.
+/// Parameters, in this order. v_bus_V only limits the voltage; it must exceed the line-line EMF.
 enum {
     PLANT_REPLAY_POLE_PAIRS,
     PLANT_REPLAY_RS_OHM,

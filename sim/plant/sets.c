@@ -5,7 +5,7 @@ const double plant_axis_sin[PLANT_LEGS] = {0.0, PLANT_SQRT3_2, -PLANT_SQRT3_2, 0
 
 enum { ROWS = 2 * PLANT_SETS };
 
-/// One current that is held: the component of a set's vector along a direction.
+/// One current that is held constant: the component of a set's vector along a direction.
 typedef struct {
     int set;
     double c, s;

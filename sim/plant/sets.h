@@ -1,4 +1,4 @@
-/// Geometry of one or two sets of windings, and the voltage at terminals that float.
+/// Geometry of one or two winding sets, and the voltage at floating terminals.
 ///
 /// Set 1 (phases a1 b1 c1) lies on axes 0, 120, 240 degrees, set 2 on 30, 150, 270, each with an
 /// isolated neutral. In complex numbers, amplitude invariant:
@@ -20,7 +20,7 @@ typedef struct {
     plant_vector_t ab, xy;
 } plant_planes_t;
 
-/// Which phases of a set carry no current: one leg's number, or these.
+/// Phases of a set that carry no current: the number of one leg, or one of these.
 enum { PLANT_NONE_FLOATS = -1, PLANT_ALL_FLOAT = PLANT_LEGS };
 
 /// Cosine and sine of the axis of a leg's phase.
@@ -43,13 +43,13 @@ static inline void plant_sets_add(plant_planes_t *planes, int set, plant_vector_
     planes->xy.beta -= sign * vector.beta;
 }
 
-/// How the currents of two sets answer to voltage, 1/H: a symmetric matrix in alpha-beta.
+/// Slope of the currents of two sets per volt, 1/H: a symmetric matrix in alpha-beta.
 typedef struct {
     double alpha_alpha, alpha_beta, beta_beta, xy;
 } plant_compliance_t;
 
-/// The voltage vectors that floating phases of two sets add at the terminals: those that keep their
-/// currents from changing, where `rate` (A/s, per set) is how they would change without.
+/// The voltage vectors of floating phases of two sets at the terminals: they keep the currents of these phases
+/// constant. `rate` (A/s, per set): slope of the currents without these voltages.
 void plant_sets_hold(const plant_compliance_t *compliance, const int floating[PLANT_SETS],
                      const plant_vector_t rate[PLANT_SETS], plant_vector_t push_V[PLANT_SETS]);
 

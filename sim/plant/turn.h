@@ -1,18 +1,19 @@
-/// Cosine and sine by series: the same digits on every machine, which the C library's functions do not promise, at half
-/// their cost.
+/// Cosine and sine by series: the same digits on every machine, unlike the functions of the C library, and at
+/// half their cost.
 #ifndef PLANT_TURN_H
 #define PLANT_TURN_H
 
 #include <stdint.h>
 
-/// Of an angle in turns, up to 1e9 of them; closer than 1e-15 plus the rounding of the angle itself.
+/// For an angle in turns, up to 1e9; the error is below 1e-15 plus the rounding of the angle itself.
 static inline void plant_turn(double turns, double *c, double *s) {
-    // Of the quarter turn next to the angle.
+    // The nearest quarter turn.
     static const double cos_quarter[4] = {1.0, 0.0, -1.0, 0.0};
     static const double sin_quarter[4] = {0.0, 1.0, 0.0, -1.0};
     const int64_t quarter = (int64_t)(4.0 * turns + (turns < 0.0 ? -0.5 : 0.5));
     const double x = 6.28318530717958647693 * (turns - 0.25 * (double)quarter);
-    // At most (pi/4)^2, for which the series end below 1e-16. In two halves each, so that they wait less for themselves.
+    // At most (pi/4)^2, for which the series end below 1e-16. Each series is split in two halves, for shorter
+    // chains of operations.
     const double x2 = x * x, x4 = x2 * x2;
     const double c_even =
         1.0 + x4 * (1.0 / 24 +

@@ -9,15 +9,15 @@
 #include "rig/runner.h"
 #include "support/diag.h"
 
-// A dynamometer turns the rotor while the drive calibrates and catches it; then the drive brings it to
-// speed and takes up the load, both with an encoder. On its own it is from RELEASE_s on.
+// A dynamometer turns the rotor while the drive calibrates and catches it; then the drive brings it to speed
+// and takes up the load, both with an encoder. From RELEASE_s on the estimator works alone.
 #define HOLD_s 0.25
 #define HOLD_rpm 300.0
 #define APPROACH_s 1.0
 #define LOADING_s 0.75
 #define RELEASE_s (HOLD_s + APPROACH_s + LOADING_s)
 #define SETTLE_s 1.2
-#define AFTER_s 1.0 // after the load has gone; of a step of the staircase
+#define AFTER_s 1.0 // time after the load is removed, and time of a step of the staircase
 #define KNOB_STEP 0.05
 #define KNOB_s 0.05
 #define LEVEL_s 0.8
@@ -90,7 +90,7 @@ int case_levels(case_kind_t kind, double factor[CASE_LEVELS_MAX]) {
     return levels;
 }
 
-/// From one factor to the next in steps of 0.05, as at a knob, then a while at rest.
+/// From one factor to the next in steps of 0.05, then constant for a while.
 static void describe_mismatch(case_kind_t kind, rig_scenario_t *scenario) {
     double factor[CASE_LEVELS_MAX];
     const int levels = case_levels(kind, factor);
@@ -109,7 +109,8 @@ static bool is_start(const case_t *what) {
     return what->kind == CASE_START || what->kind == CASE_START_SPREAD;
 }
 
-/// As in the scenario of that name. Start and control are the library's: the paper says little of its own.
+/// As in the scenario of that name. Start and control are those of the library, because the paper describes
+/// little of its own.
 static void describe_start(const case_t *what, const rig_config_t *paper, rig_config_t *config) {
     rig_phase_t *first = add(&config->scenario, "start", START_s);
     first->speed_rpm = HOLD_rpm;
@@ -177,7 +178,7 @@ static void choose_inverter(const case_t *what, rig_config_t *config) {
     if (what->inverter == CASE_IDEAL) {
         config->plant.inverter = PLANT_AVERAGED;
     }
-    // An ideal inverter has nothing to be corrected.
+    // An ideal inverter needs no correction.
     const bool corrected =
         what->inverter == CASE_COMPENSATED && config->plant.inverter != (int)PLANT_AVERAGED;
     config->drive.inverter.dead_time_correction = corrected ? LODE_ON : LODE_OFF;
@@ -188,7 +189,7 @@ static bool describe(const case_t *what, const case_bases_t *bases, rig_config_t
     *config = own ? bases->library : bases->paper;
     lode_drive_config_t *drive = &config->drive;
     drive->guard.plausibility =
-        LODE_OFF; // the paper's drives had none: an estimate shall be seen to the end
+        LODE_OFF; // the paper's drives had none, and the estimate must be recorded to the end
     choose_chain(what, config);
     choose_inverter(what, config);
     config->scenario.seed = (double)what->seed;
@@ -224,7 +225,7 @@ typedef struct {
     rig_stats_t angle_deg, speed_rpm, speed_error_rpm;
 } figures_t;
 
-/// From `from_s` on, up to but not at `to_s`.
+/// From `from_s` up to, but not including, `to_s`.
 static figures_t figures(const runlog_t *log, double from_s, double to_s) {
     const double half_s = 0.5 * (log->row[1].t_s - log->row[0].t_s);
     figures_t out = {{0}, {0}, {0}};
@@ -258,7 +259,7 @@ static double deviation(const rig_stats_t *now, const rig_stats_t *before) {
     return fmax(fabs(rig_stats_max(now) - mean), fabs(rig_stats_min(now) - mean));
 }
 
-/// A quarter of a turn off, the current no longer makes the torque it is meant to: the rotor is lost.
+/// With an error of a quarter turn the current no longer makes the intended torque: the rotor is lost.
 static double find_loss(const runlog_t *log) {
     for (size_t k = 0; k < log->rows; ++k) {
         const runlog_row_t *row = &log->row[k];
@@ -309,7 +310,7 @@ static void measure_stairs(const runlog_t *log, double first_s, case_result_t *o
         if (!(fabs(mean) <= fabs(out->ramp_dc_deg))) {
             out->ramp_dc_deg = mean;
         }
-        // fmax drops the NaN with which it begins.
+        // fmax() ignores the initial NaN.
         out->ramp_max_deg = fmax(out->ramp_max_deg, deviation(&whole.angle_deg, &level.angle_deg));
     }
 }

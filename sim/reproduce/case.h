@@ -1,4 +1,4 @@
-/// One experiment of a paper: which chain of estimators, under what circumstances, and what it showed.
+/// One experiment of a paper: the chain of estimators, the conditions, and the results.
 #ifndef RIG_REPRODUCE_CASE_H
 #define RIG_REPRODUCE_CASE_H
 
@@ -14,7 +14,7 @@ typedef enum {
     CHAIN_SAMPLED,    ///< the library's exact form, its lag compensated where the paper compensates
     CHAIN_EXACT,      ///< the same with its lag compensated in the QPLL too
     CHAIN_CORRECTED,  ///< the same, with the EMF of the active flux
-    CHAIN_LIBRARY,    ///< what the library designs by itself, with nothing of the paper's gains
+    CHAIN_LIBRARY,    ///< the library's own design, without the paper's gains
     CHAIN_EQ14,       ///< as printed, with the speed of eq. 14; QPLL only
     CHAINS
 } case_chain_t;
@@ -28,7 +28,7 @@ typedef enum { METHOD_QPLL, METHOD_ENHANCED, METHODS } case_method_t;
 
 typedef enum {
     CASE_NO_LOAD,
-    CASE_RATED,           ///< rated load, then off at once
+    CASE_RATED,           ///< rated load, then a step to no load
     CASE_STAIRCASE,       ///< 300 .. 1500 rpm without load
     CASE_STAIRCASE_RATED, ///< the same with rated load
     CASE_LQ_DOWN,         ///< rated load, Lq of the firmware 1, 0.75, 0.5 times the true one
@@ -36,17 +36,17 @@ typedef enum {
     CASE_RS_DOWN,
     CASE_RS_UP,
     CASE_START,        ///< I-f from standstill, hand-over at 100 rpm, then 300 and 900 rpm; no load
-    CASE_START_SPREAD, ///< the same with all that start.ini draws at random
+    CASE_START_SPREAD, ///< the same with all random values of start.ini
     CASE_KINDS
 } case_kind_t;
 
 #define CASE_PAPER "jiang2022"
 #define CASE_RATED_Nm 5.0
-#define CASE_WINDOW_s 0.4 // steady figures are those of this last part of a phase
+#define CASE_WINDOW_s 0.4 // steady values are those of this last part of a phase
 #define CASE_SWING_s                                                                               \
-    0.2 // by then the speed has come back: ten times 1/(55 rad/s), the loop's crossover
+    0.2 // time until the speed has recovered: ten times 1/(55 rad/s), the loop's crossover
 enum { CASE_STEPS = 5 };   // of the staircase: 300, 600 .. 1500 rpm
-enum { CASE_ORDERS = 12 }; // of ripple that are looked at
+enum { CASE_ORDERS = 12 }; // of ripple that are evaluated
 #define CASE_STEP_rpm 300.0
 #define CASE_RAMP_rpm_s 2000.0
 
@@ -56,23 +56,23 @@ typedef struct {
     case_chain_t chain;
     case_inverter_t inverter;
     double speed_rpm; ///< not of a staircase and a start
-    double Ld_factor; ///< what the firmware takes for Ld, of the true one; 0: 1
-    uint64_t seed;    ///< of noise and all that is random
+    double Ld_factor; ///< Ld of the firmware over the true one; 0: 1
+    uint64_t seed;    ///< of the noise and all random values
 } case_t;
 
 bool case_same(const case_t *a, const case_t *b);
 
 enum { CASE_LEVELS_MAX = 4 };
 
-/// The factors of a mismatch, from 1 on. Returns how many; 0: `kind` has none.
+/// The factors of a mismatch, starting with 1. Returns their number; 0: `kind` has none.
 int case_levels(case_kind_t kind, double factor[CASE_LEVELS_MAX]);
 
-/// Angles electrical, estimate - truth. NaN: the chain had lost the rotor, or it was not tried.
+/// Angles electrical, estimate - truth. NaN: the chain had lost the rotor, or the case was not run.
 typedef struct {
     double dc_deg, pp_deg; ///< steady
     double speed_error_rpm, speed_error_pp_rpm;
     // Load off: largest deviation from the steady mean.
-    double swing_deg;         ///< of the angle error, while the speed swings
+    double swing_deg;         ///< of the angle error, while the speed oscillates
     double step_deg;          ///< of the angle error, to the end of the phase
     double step_speed_rpm;    ///< of the real speed
     double step_estimate_rpm; ///< of the speed error
@@ -86,23 +86,23 @@ typedef struct {
     double lost_s;       ///< NaN: never
     double simulated_s;
     double started;   ///< 1: it reached 900 rpm, 0: it did not
-    unsigned reseeds; ///< how often the library's supervision acquired the angle anew
+    unsigned reseeds; ///< how often the library's supervision reacquired the angle
 } case_result_t;
 
-/// Motor, drive and plant of the paper, with its controllers and without. False after a message.
+/// Loads motor, drive and plant of the paper, with and without its controllers. False after a message.
 typedef struct {
     rig_config_t paper, library;
 } case_bases_t;
 
 bool case_load(case_bases_t *bases);
 
-/// Runs it. `log`, empty, takes every period; NULL: not wanted. False after a message.
+/// Runs the case. `log`, initially empty, takes every period; NULL: not wanted. False after a message.
 bool case_run(const case_t *what, const case_bases_t *bases, case_result_t *result, runlog_t *log);
 
-/// When the last phase began, s: the load goes off, or the last step of the staircase.
+/// Start of the last phase, s: the load is removed, or the last step of the staircase begins.
 double case_last_phase_s(const case_t *what);
 
-/// When the rotor is released and the estimator on its own, s.
+/// Time at which the rotor is released and the estimator works alone, s.
 double case_released_s(void);
 
 #endif

@@ -12,7 +12,7 @@
 #include "support/units.h"
 
 // A dynamometer turns the rotor while the drive calibrates and catches it; then the drive brings it to
-// speed and takes up the load, both with an encoder. The estimator is on its own from RELEASE_s on.
+// speed and takes up the load, both with an encoder. From RELEASE_s on the estimator works alone.
 #define HOLD_s 0.3
 #define HOLD_rpm 300.0
 #define LOADING_s 1.0
@@ -102,7 +102,7 @@ bool li_case_same(const li_case_t *a, const li_case_t *b) {
     return same;
 }
 
-/// No dead time, no drops, and firmware that knows it.
+/// No dead time and no drops, in plant and firmware.
 static void idealise(rig_config_t *config) {
     lode_inverter_config_t *inverter = &config->drive.inverter;
     inverter->dead_time_s = inverter->v_drop_V = inverter->r_on_Ohm = 0.0f;
@@ -117,7 +117,7 @@ static bool describe(const li_case_t *what, const rig_config_t *base, rig_config
     config->emf = emf[what->observer];
     config->pll = what->qpll ? RIG_PLL_QPLL : RIG_PLL_LESO;
     config->scenario.seed = (double)what->seed;
-    // Beside the paper's own forms it makes the start.
+    // With the paper's own forms it makes the start.
     const bool lags = what->form == LI_SAMPLED && !what->compensated;
     config->compensation = lags ? RIG_COMPENSATION_NONE : RIG_COMPENSATION_EXACT;
     config->six.source = what->source;
@@ -145,7 +145,7 @@ static bool describe(const li_case_t *what, const rig_config_t *base, rig_config
     return rig_config_complete(config, RIG_NEED_DRIVE);
 }
 
-/// The paper's own form beside the library's, which makes the start.
+/// The paper's own form, together with the library's, which makes the start.
 static euler_config_t printed_form(const li_case_t *what, const rig_config_t *config) {
     static const int emf[LI_OBSERVERS] = {RIG_EMF_C_EULER, RIG_EMF_GI_EULER, RIG_EMF_FA_EULER};
     static rig_config_t own;
@@ -176,7 +176,7 @@ static bool start(run_t *run, const rig_config_t *base) {
         refusal_report(&config, status);
         return false;
     }
-    (void)plant_init(&run->plant, &plant); // rig_config_plant() has tried
+    (void)plant_init(&run->plant, &plant); // rig_config_plant() has checked it
     return true;
 }
 
@@ -204,19 +204,19 @@ static lode_counts6_t counts_of(const plant_counts_t plant[PLANT_SETS]) {
     return counts;
 }
 
-/// As if the motor had a perfect encoder.
+/// As with a perfect encoder on the motor.
 static lode_estimate_t encoder(const lode_sample6_t *x, lode_estimate_t own,
                                const plant_truth_t *truth) {
     own.omega_rad_s = (float)truth->omega_e_rad_s;
     own.rotor = lode_sincos((float)truth->theta_e_rad);
     own.i_A = lode_park(x->machine.i_A, own.rotor);
     own.lock = 1.0f;
-    own.load_torque_Nm = 0.0f; // it tells none
+    own.load_torque_Nm = 0.0f; // an encoder gives none
     own.source = LODE_ESTIMATE_EXTERNAL;
     return own;
 }
 
-/// Of the observer in question; until the release it is held to the truth.
+/// Estimate of the observer under test; until the release it is set to the true values.
 static lode_estimate_t seen_by(run_t *run, const lode_sample6_t *x, const plant_truth_t *truth) {
     lode_drive_t *drive = &run->drive.drive;
     const lode_estimate_t own = lode_drive6_estimate(&run->drive, x);
@@ -368,7 +368,7 @@ static void conclude(const run_t *run, int index) {
 
 // ---- Stages -------------------------------------------------------------------------------------
 
-/// What the firmware believes of its motor changes under way, and with it what it derives from that.
+/// Changes the motor parameters of the firmware during the run, and the values derived from them.
 static bool retune(run_t *run) {
     lode_drive6_config_t config = run->config;
     config.drive.motor.Rs_Ohm *= (float)run->Rs_factor;
@@ -389,7 +389,7 @@ static double toward(double from, double goal, double most) {
     return fabs(goal - from) <= most ? goal : from + copysign(most, goal - from);
 }
 
-/// The factors move as at a knob. False after a message.
+/// Changes the factors gradually. False after a message.
 static bool turn_knobs(run_t *run, const li_stage_t *stage) {
     const double Rs = stage->Rs_factor > 0.0 ? stage->Rs_factor : 1.0;
     const double Lq = stage->Lq_factor > 0.0 ? stage->Lq_factor : 1.0;
@@ -413,7 +413,7 @@ static bool is_lost(const run_t *run, const moment_t *now) {
            !(fabs(now->error_deg) < LOST_deg);
 }
 
-/// False after a message. A rotor that gets lost ends the run.
+/// False after a message. A lost rotor ends the run.
 static bool run_stage(run_t *run, int index) {
     const li_stage_t *stage = &run->what->stage[index];
     const uint64_t periods = (uint64_t)llround(stage->duration_s / run->ts_s);

@@ -1,5 +1,4 @@
-/// One experiment of paper 2 (Li, Hu, Ma, Liu): which observer in which form, in what circumstances, and
-/// what it showed.
+/// One experiment of paper 2 (Li, Hu, Ma, Liu): the observer and its form, the conditions, and the results.
 #ifndef RIG_REPRODUCE_LI_CASE_H
 #define RIG_REPRODUCE_LI_CASE_H
 
@@ -12,12 +11,12 @@
 #define LI_PAPER "li-fa-leso"
 /// Motor, drive and plant: a stand-in for the paper's, whose table is not available.
 #define LI_MACHINE "eldeeb2017"
-/// Ours, assumed, as the paper gives no rated load: its load steps of 80 % are then 5 Nm.
+/// Our assumption, because the paper gives no rated load: its load steps of 80 % are then 5 Nm.
 #define LI_RATED_Nm 6.25
 #define LI_STEP_Nm (0.8 * LI_RATED_Nm)
 /// That torque over 3 np psi, at id = 0.
 #define LI_RATED_A (LI_RATED_Nm / (3.0 * 5.0 * 0.1746))
-/// Steady figures are those of this last part of a stage: whole turns at 25, 50 and 70 Hz.
+/// Steady values are those of this last part of a stage: whole turns at 25, 50 and 70 Hz.
 #define LI_WINDOW_s 1.0
 #define LI_LOAD_RISE_s 2.0e-4
 
@@ -26,10 +25,10 @@ typedef enum { LI_C, LI_GI, LI_FA, LI_OBSERVERS } li_observer_t;
 /// The columns of the table.
 typedef enum {
     LI_PRINTED,       ///< forward Euler, nothing compensated; ideal inverter
-    LI_PRINTED_DEAD,  ///< the same behind 2 us of dead time, nothing corrected
+    LI_PRINTED_DEAD,  ///< the same with 2 us of dead time, nothing corrected
     LI_UNCOMPENSATED, ///< the library's observer and PLL; ideal inverter
     LI_EXACT,         ///< the same, compensated
-    LI_CORRECTED,     ///< the same behind 2 us of dead time, corrected
+    LI_CORRECTED,     ///< the same with 2 us of dead time, corrected
     LI_PRINTED_QPLL,  ///< LI_PRINTED with a QPLL in place of the LESO-QPLL
     LI_COLUMNS
 } li_column_t;
@@ -39,10 +38,10 @@ typedef enum { LI_EULER, LI_CONTINUOUS, LI_SAMPLED, LI_FORMS } li_form_t;
 
 enum { LI_STAGES_MAX = 6, LI_ORDERS = 5 };
 
-/// A stretch of the experiment; it begins with a change.
+/// A stage of the experiment; it begins with a change.
 typedef struct {
     double duration_s, speed_rpm, load_Nm;
-    double Rs_factor, Lq_factor; ///< what the firmware takes for true; 0: 1
+    double Rs_factor, Lq_factor; ///< values of the firmware over the true ones; 0: 1
     double load_rise_s;          ///< 0: LI_LOAD_RISE_s
 } li_stage_t;
 
@@ -52,7 +51,7 @@ typedef struct {
     case_inverter_t inverter;
     bool compensated; ///< the lag; LI_SAMPLED only, as the paper compensates nothing
     bool qpll;        ///< in place of the LESO-QPLL
-    uint64_t seed;    ///< of noise and all that is random
+    uint64_t seed;    ///< of the noise and all random values
     lode_source_t source;
     double k2_rad_s, sigma_rad_s; ///< 0: of the file
     double id_A;                  ///< magnitude of the negative id*
@@ -62,16 +61,17 @@ typedef struct {
     li_stage_t stage[LI_STAGES_MAX];
 } li_case_t;
 
-/// Of a stage. Angles electrical, estimate - truth. NaN: the rotor was lost, or does not turn as it should.
+/// Results of a stage. Angles electrical, estimate - truth. NaN: the rotor was lost, or does not turn at the
+/// commanded speed.
 typedef struct {
-    // Of the last LI_WINDOW_s.
+    // Over the last LI_WINDOW_s.
     double mean_deg, pp_deg;
     double speed_rpm;
     double e_V;                     ///< fundamental of the estimated EMF
     double id_A, iq_A;              ///< estimated frame
     double harmonic_pct[LI_ORDERS]; ///< 1st, 5th, 7th, 11th, 13th of the estimated alpha EMF
     double xy_A;                    ///< largest |i_xy|
-    // Of all of it.
+    // Over the whole stage.
     double peak_deg;  ///< largest error
     double swing_deg; ///< largest deviation from the mean before
     double swing_rpm; ///< of the estimated speed from the real one
@@ -83,7 +83,7 @@ typedef struct {
     double simulated_s;
 } li_result_t;
 
-/// What is drawn: every period since the release.
+/// The signals of the plots: every period since the release.
 typedef struct {
     double t_s, error_deg, speed_rpm, speed_error_rpm;
     double theta_rad, theta_est_rad;
@@ -103,10 +103,10 @@ li_case_t li_case_in(li_case_t what, li_column_t column);
 
 void li_log_free(li_log_t *self);
 
-/// The file, with `set` over it. False after a message.
+/// Loads the file and applies `set`. False after a message.
 bool li_case_load(rig_config_t *base);
 
-/// Runs it. `log`, empty, takes every period; NULL: not wanted. False after a message.
+/// Runs the case. `log`, initially empty, takes every period; NULL: not wanted. False after a message.
 bool li_case_run(const li_case_t *what, const rig_config_t *base, li_result_t *result,
                  li_log_t *log);
 

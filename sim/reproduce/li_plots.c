@@ -107,7 +107,7 @@ static void send_waves(FILE *script, const li_log_t *log, int id, double length_
     (void)fputs("END\n", script);
 }
 
-/// Least and largest of each stretch, so that no peak gets lost.
+/// Smallest and largest value of each stretch, so that no peak is lost.
 static void send_run(FILE *script, const li_log_t *log, int id, double from_s) {
     const size_t from = row_at(log, from_s);
     const size_t every = (log->rows - from) / POINTS + 1;

@@ -1,4 +1,4 @@
-/// The figures of paper 2, as the simulated stand-in has them.
+/// The figures of paper 2 for the simulated stand-in.
 #ifndef RIG_REPRODUCE_LI_PLOTS_H
 #define RIG_REPRODUCE_LI_PLOTS_H
 

@@ -1,4 +1,4 @@
-/// What paper 2 claims, experiment by experiment, beside what was measured.
+/// The claims of paper 2, experiment by experiment, with the measured values.
 #ifndef RIG_REPRODUCE_LI_ROWS_H
 #define RIG_REPRODUCE_LI_ROWS_H
 

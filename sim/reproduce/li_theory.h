@@ -1,4 +1,4 @@
-/// Closed forms behind the experiments of paper 2.
+/// Closed forms for the experiments of paper 2.
 #ifndef RIG_REPRODUCE_LI_THEORY_H
 #define RIG_REPRODUCE_LI_THEORY_H
 
@@ -10,7 +10,7 @@
 
 typedef struct {
     euler_config_t euler; ///< motor and gains; emf, pll and compensation left open
-    theory_t plain;       ///< of one set, for what paper 1 has closed forms of
+    theory_t plain;       ///< of one set, for the closed forms of paper 1
 } li_theory_t;
 
 /// `base` complete.
@@ -37,7 +37,7 @@ double li_theory_harmonic_pct(const li_theory_t *t, li_gain_t gain, li_observer_
 double li_theory_noise(const li_theory_t *t, li_form_t form, li_observer_t observer, double w,
                        double tuned);
 
-/// Variance of the estimated EMF behind white noise of the currents, V^2/A^2.
+/// Variance of the estimated EMF for white noise of the currents, V^2/A^2.
 double li_theory_noise_variance(const li_theory_t *t, li_form_t form, li_observer_t observer,
                                 double tuned);
 

@@ -1,4 +1,4 @@
-/// What the experiments of paper 2 have in common: running them column by column and filling rows.
+/// Common parts of the experiments of paper 2: running them column by column and filling rows.
 #ifndef RIG_REPRODUCE_LI_WORK_H
 #define RIG_REPRODUCE_LI_WORK_H
 
@@ -9,7 +9,7 @@
 
 enum { LI_SPEEDS = 3 };
 
-/// A stage's length: its change settles, then LI_WINDOW_s follow. The GI-LESO needs 1 to 3 s.
+/// Length of a stage: its change settles, then LI_WINDOW_s follow. The GI-LESO needs 1 to 3 s.
 #define LI_SETTLES_s 2.6
 #define LI_SETTLES_GI_s 4.4
 
@@ -18,11 +18,11 @@ enum { LI_SPEEDS = 3 };
 /// "Nearly 0" and "does not change" are taken as at most this.
 #define LI_NEARLY_deg 1.0
 
-extern const char *const li_observers[LI_OBSERVERS]; ///< for people
+extern const char *const li_observers[LI_OBSERVERS]; ///< for texts
 extern const char *const li_names[LI_OBSERVERS];     ///< in ids
 extern const double li_speeds[LI_SPEEDS];            ///< rpm
 
-/// Axes of the variants. The third holds what of the PLL and of the d current the paper does not say.
+/// Axes of the variants. The third covers PLL and d current, which the paper does not give.
 enum { LI_FORM_AXIS, LI_INVERTER_AXIS, LI_PLL_AXIS };
 enum { LI_WITH_LESO_QPLL, LI_WITH_QPLL, LI_WITH_ID, LI_PLL_CHOICES };
 
@@ -63,7 +63,7 @@ typedef enum {
     LI_XY
 } li_quantity_t;
 
-/// Where a row stands.
+/// The place of a row.
 typedef struct {
     const char *figure, *id, *what, *unit;
 } li_place_t;
@@ -78,7 +78,7 @@ double li_quantity(const li_result_t *result, int stage, li_quantity_t what);
 row_t *li_fill(li_work_t *work, const li_place_t *at, const words_t *words, const li_runs_t *runs,
                int stage, li_quantity_t what);
 
-/// Runs `runs` in all variants for a claim on one stage; with `over`, in per cent of the same of that.
+/// Runs `runs` in all variants for a claim on one stage; with `over`, as a percentage of the same value of `over`.
 /// `choices`: how many of LI_PLL_CHOICES.
 void li_sample(li_work_t *work, row_t *row, const li_runs_t *runs, const li_runs_t *over, int stage,
                li_quantity_t what, int choices);

@@ -11,11 +11,10 @@ int panels_height(int rows);
 /// Starts them, with names of four colours: blue, red, green, grey.
 void panels_begin(FILE *script, const char *title, int rows, int columns);
 
-/// An angle in degrees; NaN where it has jumped from one end of its range to the other since the point
-/// before, so that the line breaks.
+/// An angle in degrees; NaN if it has wrapped since the previous point, so that the line breaks.
 double panels_angle_deg(double angle_rad, double before_rad);
 
-/// The panel to come. `title`: of its column, "" below the first row; `last`: in its column.
+/// Starts the next panel. `title`: of its column, "" below the first row; `last`: in its column.
 void panels_next(FILE *script, const char *label, const char *title, bool last);
 
 #endif

@@ -119,7 +119,7 @@ static bool plot_waves(FILE *script, const drawing_t *drawing, const case_bases_
 
 // ---- Figs. 14 to 17: whole runs -----------------------------------------------------------------
 
-/// Least and largest of each stretch, so that no peak gets lost. A lost angle is cut off.
+/// Smallest and largest value of each stretch, so that no peak is lost. A lost angle is cut off.
 static void send_run(FILE *script, const runlog_t *log, int id, double from_s, double to_s) {
     const size_t from = row_at(log, from_s);
     const size_t to = row_at(log, to_s);

@@ -1,4 +1,4 @@
-/// The figures of paper 1, as the simulated machine has them.
+/// The figures of paper 1 for the simulated machine.
 #ifndef RIG_REPRODUCE_PLOTS_H
 #define RIG_REPRODUCE_PLOTS_H
 

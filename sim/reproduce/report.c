@@ -31,7 +31,7 @@ static void print_claim(FILE *file, const row_t *row) {
     (void)fprintf(file, " %8s", text);
 }
 
-/// Lines shall fit on a screen.
+/// Line length of the screen.
 static int column_width(const table_t *self) {
     return self->paper->shown > 4 ? 9 : 10;
 }
@@ -72,7 +72,7 @@ static void print_note(FILE *file, const char *what, const char *note) {
     (void)fputc('\n', file);
 }
 
-/// What is not reproduced, row by row: where it holds, what comes nearest, what is missing.
+/// The claims that are not reproduced, row by row: where they hold, the nearest value, or what is missing.
 static void print_reasons(FILE *file, const table_t *self, const char *figure) {
     for (int k = 0; k < self->rows; ++k) {
         const row_t *row = &self->row[k];
@@ -95,7 +95,7 @@ static void print_bode(FILE *file, const paper_t *paper) {
     (void)fputc('\n', file);
 }
 
-/// How many rows have each verdict.
+/// The number of rows for each verdict.
 static void count(const table_t *self, int of[VERDICTS]) {
     for (int v = 0; v < VERDICTS; ++v) {
         of[v] = 0;

@@ -1,4 +1,4 @@
-/// What paper 1 claims, experiment by experiment, beside what was measured.
+/// The claims of paper 1, experiment by experiment, with the measured values.
 #ifndef RIG_REPRODUCE_ROWS_H
 #define RIG_REPRODUCE_ROWS_H
 
@@ -11,7 +11,7 @@ typedef struct {
     theory_t theory;
 } reproduction_t;
 
-/// How much is run.
+/// Extent of the runs.
 typedef struct {
     uint64_t first_seed;
     int seeds;          ///< 1 .. SEEDS_MAX
@@ -22,7 +22,7 @@ typedef struct {
 bool reproduction_run(reproduction_t *self, const case_bases_t *bases,
                       const reproduce_extent_t *extent);
 
-/// One of the experiments again, with its signals. False after a message.
+/// Runs one of the experiments again, with its signals. False after a message.
 bool reproduction_signals(const case_bases_t *bases, const case_t *what, runlog_t *log);
 
 #endif

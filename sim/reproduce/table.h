@@ -1,4 +1,4 @@
-/// What a paper claims, row by row, beside what was computed and measured.
+/// The claims of a paper, row by row, with the computed and measured values.
 #ifndef RIG_REPRODUCE_TABLE_H
 #define RIG_REPRODUCE_TABLE_H
 
@@ -9,16 +9,16 @@
 typedef enum {
     CLAIM_NONE,  ///< the paper gives no figure
     CLAIM_ABOUT, ///< "around", read from a plot: met within 30 % or 1.5 units, the sign as printed
-    CLAIM_SIZE,  ///< the same of the magnitude, where the figure's sign convention is not known
+    CLAIM_SIZE,  ///< the same for the magnitude, if the figure's sign convention is not known
     CLAIM_AT_MOST,  ///< a bound on the magnitude, and the accuracy of reading
     CLAIM_AT_LEAST, ///< the same from below, signed
     CLAIM_EXACTLY,  ///< met within 2 %
-    CLAIM_FORMULA   ///< the same, met where the theory column is: restates a table by arithmetic
+    CLAIM_FORMULA   ///< the same, met if the theory column meets it: restates a table by arithmetic
 } claim_t;
 
-/// "At most" is met up to half a unit of the last digit that the paper prints: its figures are drawn, not
-/// tabulated, so what it says of them is rounded to that digit. Their axes are not available to us, so
-/// nothing coarser is assumed. Bounds of our own have none.
+/// "At most" is met up to half a unit of the last printed digit: the paper draws its results instead of
+/// tabulating them, so its text is rounded to that digit. The axes of its figures are not available to us, so
+/// nothing coarser is assumed. Our own bounds have no such tolerance.
 #define READING_WHOLE 0.5
 #define READING_TENTH 0.05
 
@@ -33,17 +33,17 @@ enum {
     SEEDS_MAX = 20
 };
 
-/// A choice that a paper leaves open, with what it may have chosen.
+/// A choice that a paper leaves open, with the possible alternatives.
 typedef struct {
     const char *name;
     int choices;
     const char *choice[CHOICES_MAX];
 } axis_t;
 
-/// A paper, and how it was gone through: each column is another form of what it proposes.
+/// A paper and its evaluation: each column is another form of its proposal.
 typedef struct {
     const char *name;      ///< on the command line
-    const char *reference; ///< where it appeared
+    const char *reference; ///< publication
     const char *introduction;
     int columns;                      ///< in files
     int shown;                        ///< of these, from the first on, in the table
@@ -62,12 +62,12 @@ typedef struct {
     const char *unit;
     claim_t claim;
     double claimed;
-    double reading;                   ///< accuracy with which the paper's figure can be read
-    const char *lacks;                ///< a datum without which nothing can be compared; NULL: none
-    double theory;                    ///< of what is printed; NaN: no closed form, or no solution
-    const char *formula;              ///< of theory; NULL: none
-    double value[COLUMNS_MAX];        ///< computed or measured, with the first seed
-    const char *missing[COLUMNS_MAX]; ///< why a value is none
+    double reading;            ///< accuracy with which the paper's figure can be read
+    const char *lacks;         ///< a datum whose absence prevents the comparison; NULL: none
+    double theory;             ///< closed form of the printed method; NaN: none, or no solution
+    const char *formula;       ///< of theory; NULL: none
+    double value[COLUMNS_MAX]; ///< computed or measured, with the first seed
+    const char *missing[COLUMNS_MAX]; ///< why a value is missing
     int seeds;                        ///< of the samples; 0: there are none
     bool ran[VARIANTS_MAX];
     double sample[VARIANTS_MAX][SEEDS_MAX]; ///< NaN: the rotor was lost or stalls
@@ -91,7 +91,7 @@ typedef struct {
     double simulated_s;
 } table_t;
 
-/// What a row says of itself.
+/// The words of a row.
 typedef struct {
     claim_t claim;
     double claimed;
@@ -101,7 +101,7 @@ typedef struct {
     const char *lacks;
 } words_t;
 
-/// Nothing of `paper` measured yet.
+/// An empty table of `paper`.
 void table_begin(table_t *self, const paper_t *paper, uint64_t first_seed, int seeds);
 
 row_t *table_row(table_t *self, const char *figure, const char *id, const char *what,
@@ -114,7 +114,7 @@ words_t table_no_claim(double theory, const char *formula);
 /// The variant of these choices, one of each axis.
 int table_variant(const paper_t *paper, const int choice[AXES]);
 
-/// And back. Returns how many there are.
+/// The reverse. Returns the number of variants.
 int table_choices(const paper_t *paper, int variant, int choice[AXES]);
 int table_variants(const paper_t *paper);
 

@@ -86,7 +86,7 @@ double tables_tracking_deg(const theory_t *t, bool leso, int motion, bool printe
 #define FASTEST_rpm 1500.0
 enum { BISECTIONS = 12 };
 
-/// Whether the swing of the angle shrinks from one second to the next, once it has been put off.
+/// True if an oscillation of the angle decays from one second to the next after a deviation.
 static bool comes_back(const euler_config_t *config, double omega) {
     euler_t self;
     rig_stats_t first, second;

@@ -8,8 +8,8 @@
 /// of speed, 2 a ramp of speed at 2000 rpm/s. `printed`: the papers' form, else the library's.
 double tables_tracking_deg(const theory_t *t, bool leso, int motion, bool printed);
 
-/// Fig. 7, observer, eq. 30, notch and PLL as one loop on a rotor that turns steadily without current: the
-/// lowest speed from which on an angle that is 1 deg off comes back, rpm. `continuous`: in continuous time,
+/// Fig. 7, observer, eq. 30, notch and PLL as one loop on a steadily turning rotor without current: the lowest
+/// speed above which an angle error of 1 deg decays, rpm. `continuous`: in continuous time,
 /// else in forward Euler.
 double tables_lowest_stable_rpm(const theory_t *t, double notch_k, bool continuous);
 

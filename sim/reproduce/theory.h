@@ -1,4 +1,4 @@
-/// Closed forms behind the experiments of paper 1: what its own formulas give with its Table 3.
+/// Closed forms for the experiments of paper 1: results of its own formulas with its Table 3.
 #ifndef RIG_REPRODUCE_THEORY_H
 #define RIG_REPRODUCE_THEORY_H
 
@@ -8,7 +8,7 @@
 typedef struct {
     double ts_s, np, Rs, Ld, Lq, psi, J, B;
     double w0, sigma;
-    double loss_V;   ///< amplitude of the fundamental that dead time and on-state drops take
+    double loss_V;   ///< amplitude of the fundamental lost to dead time and on-state drops
     double r_on_Ohm; ///< the rest of the loss, in proportion to the current
 } theory_t;
 
@@ -32,10 +32,10 @@ double theory_printed_dc_deg(const theory_t *t, double speed_rpm, double load_Nm
 double theory_mismatch_deg(const theory_t *t, double speed_rpm, double load_Nm, double factor,
                            double *pull_out_Nm);
 
-/// The acceleration d = np T/J that a load leaves behind when it goes, electrical rad/s^2.
+/// The acceleration d = np T/J after a load is removed, electrical rad/s^2.
 double theory_acceleration(const theory_t *t, double load_Nm);
 
-/// Largest errors behind a lasting acceleration d: angle and speed of QPLL (d/sigma^2, 2 d/sigma) and
+/// Largest errors after the start of a constant acceleration d: angle and speed of QPLL (d/sigma^2, 2 d/sigma) and
 /// LESO-QPLL (2 exp(-2) d/sigma^2, 0.840 d/sigma).
 double theory_swing_deg(const theory_t *t, double load_Nm, bool leso);
 double theory_swing_rpm(const theory_t *t, double load_Nm, bool leso);

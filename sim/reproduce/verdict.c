@@ -51,7 +51,7 @@ static int held_in(const row_t *row, int variant) {
     return held;
 }
 
-/// Whether two variants agree in all axes of `subset`.
+/// True if two variants agree in all axes of `subset`.
 static bool alike(const paper_t *paper, int subset, int a, int b) {
     int of_a[AXES];
     int of_b[AXES];
@@ -65,13 +65,13 @@ static bool alike(const paper_t *paper, int subset, int a, int b) {
     return true;
 }
 
-/// All, none or some of the seeds: 1, 0, 2.
+/// The claim holds with all, none or some of the seeds: 1, 0, 2.
 static int state_of(const row_t *row, int variant) {
     const int held = held_in(row, variant);
     return held == 0 ? 0 : (held == row->seeds ? 1 : 2);
 }
 
-/// Whether the axes of `subset` alone tell where the claim holds.
+/// True if the axes of `subset` alone decide where the claim holds.
 static bool explains(const table_t *table, const row_t *row, int subset) {
     const int variants = table_variants(table->paper);
     for (int a = 0; a < variants; ++a) {
@@ -191,7 +191,7 @@ static void put_group(writer_t *self, const table_t *table, const row_t *row, in
     put(self, ")");
 }
 
-/// Whether all variants that agree with `variant` in the axes of `subset` are in `state`.
+/// True if all variants that agree with `variant` in the axes of `subset` are in `state`.
 static bool uniform(const table_t *table, const row_t *row, int subset, int variant, int state) {
     for (int v = 0; v < table_variants(table->paper); ++v) {
         if (row->ran[v] && alike(table->paper, subset, v, variant) && state_of(row, v) != state) {
@@ -254,7 +254,7 @@ static void put_depends(writer_t *self, const table_t *table, const row_t *row,
     put_groups(self, table, row, subset, 0, ". Not: ");
 }
 
-/// How far a value is from the claim, by the claim's own measure.
+/// Distance of a value from the claim, in the measure of the claim.
 static double distance(const row_t *row, double value) {
     if (row->claim == CLAIM_AT_MOST) {
         return fabs(value);
@@ -266,7 +266,7 @@ static double distance(const row_t *row, double value) {
                                     : fabs(value - row->claimed);
 }
 
-/// Whether the row was run with more than one choice of an axis.
+/// True if the row was run with more than one choice of an axis.
 static bool varies(const table_t *table, const row_t *row, int axis) {
     int first = -1;
     for (int v = 0; v < table_variants(table->paper); ++v) {

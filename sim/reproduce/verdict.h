@@ -1,4 +1,4 @@
-/// What becomes of a claim over all that its paper leaves open (docs/papers.md).
+/// The verdict on a claim over all choices that its paper leaves open (docs/papers.md).
 #ifndef RIG_REPRODUCE_VERDICT_H
 #define RIG_REPRODUCE_VERDICT_H
 
@@ -17,22 +17,22 @@ typedef enum {
 typedef struct {
     verdict_t verdict;
     int held, of;       ///< samples
-    bool decides[AXES]; ///< VERDICT_DEPENDS: the fewest axes that tell where it holds
-    bool noise;         ///< and there are variants in which it holds with some of the seeds only
+    bool decides[AXES]; ///< VERDICT_DEPENDS: the smallest set of axes that decides where it holds
+    bool noise;         ///< in some variants it holds only with some of the seeds
 } judgement_t;
 
 const char *verdict_name(verdict_t verdict);
 
 judgement_t verdict_of(const table_t *table, const row_t *row);
 
-/// True where the claim holds with this value; never of NaN.
+/// True if the claim holds with this value; false for NaN.
 bool verdict_holds(const row_t *row, double value);
 
 /// Least and largest of a variant's samples. False: all are missing.
 bool verdict_range(const row_t *row, int variant, double *low, double *high);
 
-/// In words, from the samples: where the claim holds and where not, or what comes nearest to it, or what
-/// is missing. Empty for what is reproduced.
+/// Explains the verdict from the samples: where the claim holds and where not, the nearest value, or the
+/// missing datum. Empty for a reproduced claim.
 void verdict_reason(const table_t *table, const row_t *row, char *text, size_t size);
 
 #endif

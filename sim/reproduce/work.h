@@ -1,4 +1,4 @@
-/// What the experiments of paper 1 have in common: running them variant by variant and filling rows.
+/// Common parts of the experiments of paper 1: running them variant by variant and filling rows.
 #ifndef RIG_REPRODUCE_WORK_H
 #define RIG_REPRODUCE_WORK_H
 
@@ -43,11 +43,11 @@ typedef enum {
     RIPPLE_ORDER,
     STARTED,
     LEVEL_DC,          ///< at a factor of mismatch
-    LEVEL_CHANGE,      ///< the same less that without mismatch
+    LEVEL_CHANGE,      ///< the same minus that without mismatch
     LEVEL_SPEED_CHANGE ///< of the mean speed error
 } quantity_t;
 
-/// Of which runs a row is, and what of them.
+/// The runs of a row, and the quantity taken from them.
 typedef struct {
     case_kind_t kind;
     case_method_t method;
@@ -57,7 +57,7 @@ typedef struct {
     double Ld_factor;
 } source_t;
 
-/// Where in a paper a row stands and what it shows.
+/// The place of a row in the paper, and its quantity.
 typedef struct {
     const char *figure;
     const char *name; ///< of the quantity, in ids
@@ -66,7 +66,7 @@ typedef struct {
     source_t source;
 } place_t;
 
-/// How two runs make one figure.
+/// Combination of two runs to one value.
 typedef enum { ALONE, RATIO, DIFFERENCE, SAME_SIGN } pair_t;
 
 row_t *work_measure(work_t *work, const place_t *at, const words_t *words);
