@@ -17,8 +17,7 @@ static uint16_t tenths(float degC) {
 // curve is nearly linear.
 static uint16_t look_up(const port_ntc_config_t *config, float share) {
     const port_ntc_point_t *points = config->points;
-    const float colder =
-        config->to_ground ? 1.0f : -1.0f; // direction in which a colder NTC moves the share
+    const float colder = config->to_ground ? 1.0f : -1.0f; // sign of the share of a colder NTC
     if (colder * (share - share_of(config, points[0].R_Ohm)) > 0.0f) {
         return PORT_NTC_MISSING;
     }

@@ -1,4 +1,4 @@
-/// board.h with the simulated plant behind it, in place of ADCs and PWM.
+/// board.h with the simulated plant instead of ADCs and PWM.
 #include "board.h"
 
 #include "app.h"

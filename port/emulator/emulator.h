@@ -1,8 +1,8 @@
-/// Of board.c, beside what board.h asks for.
+/// Functions of board.c in addition to those of board.h.
 #ifndef EMULATOR_EMULATOR_H
 #define EMULATOR_EMULATOR_H
 
-/// One period shall take longer than two periods last. Before the periods start.
+/// Makes one period take longer than two period lengths. Call before the periods start.
 void emulator_overlong(void);
 
 #endif

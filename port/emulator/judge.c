@@ -4,7 +4,7 @@
 #include "motor.h"
 #include "semihost.h"
 
-// Written where the period runs; read when it no longer does anything that counts.
+// Written in the period; read after the last period that counts.
 static volatile uint32_t periods;
 static uint32_t faults;
 static uint32_t settled_not_run;
@@ -30,7 +30,7 @@ void judge_note(const plant_t *plant, const lode_telemetry_t *now) {
         faults++;
         fault = now->fault;
     }
-    // An error of more than a quarter turn counts as one.
+    // An error above a quarter turn counts as a quarter turn.
     const lode_sincos_t error = lode_angle_subtract(lode_sincos(now->theta_rad), plant->rotor);
     const float off = error.cos > 0.0f ? lode_abs(error.sin) : 1.0f;
     if (mode == LODE_MODE_RUN) {
@@ -47,7 +47,7 @@ bool judge_done(void) {
     return periods >= JUDGE_PERIODS;
 }
 
-// One line: what, figure, limit.
+// One line: name, value, limit.
 static bool at_most(const char *what, float figure, float limit, const char *unit) {
     const bool good = figure <= limit;
     semihost_print(good ? "ok   " : "FAIL ");

@@ -1,4 +1,4 @@
-/// Looks at the running drive from outside: what the plant really does against what the drive believes.
+/// Checks the running drive from outside: compares the plant with the estimates of the drive.
 #ifndef EMULATOR_JUDGE_H
 #define EMULATOR_JUDGE_H
 
@@ -6,22 +6,22 @@
 
 /// Length of a run, 3 s: start, hand-over, ramp, and more than half a second of settled speed.
 #define JUDGE_PERIODS 15000u
-/// The last ones, for which the bands hold.
+/// The last periods, for which the bands apply.
 #define JUDGE_SETTLED_PERIODS 2500u
-/// True speed against the commanded one, in every period.
+/// Band of the true speed around the command, in every period.
 #define JUDGE_SPEED_BAND 0.002f // 3 rpm
-/// Estimated angle against the true one, at the end and at any time in RUN, hand-over included.
+/// Limits of the angle error, at the end and at any time in RUN, hand-over included.
 #define JUDGE_ANGLE_SETTLED_rad 0.00873f // half a degree
 #define JUDGE_ANGLE_RUN_rad                                                                        \
     0.111f // 6.36 degrees: nine of ten hand-overs (docs/observer-choice.md, starts)
 
-/// One period: `plant` at its start, `now` what the drive made of it. From where the period runs.
+/// Takes one period: `plant` at its start, `now` the telemetry of the drive. Call in the period.
 void judge_note(const plant_t *plant, const lode_telemetry_t *now);
 
 /// The run is over. From anywhere.
 bool judge_done(void);
 
-/// Prints every figure with its limit. True: all are met.
+/// Prints every value with its limit. True: all limits are met.
 bool judge_verdict(void);
 
 #endif

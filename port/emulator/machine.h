@@ -1,11 +1,11 @@
-/// What the emulated machines differ in: who calls the period, and how time is told.
+/// The differences of the emulated machines: the caller of the period, and the time base.
 #ifndef EMULATOR_MACHINE_H
 #define EMULATOR_MACHINE_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-/// Of board.c: one period. Called by the timer's interrupt, or by machine_wait() where there is none.
+/// In board.c: one period. Called by the timer's interrupt, or by machine_wait() without a timer.
 void emulator_period(void);
 
 /// Starts the periods and, with them, a second counter that nothing resets.
@@ -14,15 +14,15 @@ void machine_start(void);
 /// Waits for the next period. Thread.
 void machine_wait(void);
 
-/// That counter, in parts of a period (PLANT_STAMP_PER_PERIOD); wraps. Where there is no timer it is made
-/// of the calls.
+/// The second counter, in parts of a period (PLANT_STAMP_PER_PERIOD); wraps. Without a timer it counts the
+/// calls.
 uint32_t machine_stamp(void);
 
-/// True where a timer interrupts, and the stamp is another timer's.
+/// True if a timer interrupts and another timer gives the stamp.
 bool machine_has_timer(void);
 
-/// How often the period's interrupt was entered, and how many periods the second counter had seen when
-/// it was entered last. Thread, between two interrupts.
+/// Number of entries of the period's interrupt, and number of periods of the second counter at the last entry.
+/// Thread, between two interrupts.
 uint32_t machine_entries(void);
 uint32_t machine_elapsed(void);
 

@@ -1,4 +1,4 @@
-/// The example application on the simulated plant until the judge has seen enough.
+/// Runs the example application on the simulated plant until the judge is finished.
 #include "app.h"
 #include "emulator.h"
 #include "judge.h"

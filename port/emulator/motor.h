@@ -1,5 +1,5 @@
-/// The motor in the image: paper 1's interior-magnet machine of 1 kW (its Table 3). The drive is given
-/// these figures and plant.c computes with them.
+/// The motor in the image: paper 1's interior-magnet machine of 1 kW (its Table 3). Both the drive and plant.c
+/// use these values.
 #ifndef EMULATOR_MOTOR_H
 #define EMULATOR_MOTOR_H
 

@@ -42,7 +42,7 @@ static lode_dq_t current_rise(const lode_motor_t *m, float omega, lode_dq_t u, l
                        (u.q - m->Rs_Ohm * i.q - omega * (m->Ld_H * i.d + m->psi_Wb)) / m->Lq_H};
 }
 
-// Turned on by a small angle; drawn to length 1, or rounding would pile up.
+// Rotated by a small angle and normalised to length 1, because rounding would accumulate.
 static lode_sincos_t advanced(lode_sincos_t a, float x) {
     const float c = 1.0f - 0.5f * x * x;
     const float s = x - x * x * x * (1.0f / 6.0f);

@@ -62,7 +62,7 @@ void semihost_print_hex64(uint64_t value) {
     semihost_print(text);
 }
 
-// `text` begins with the whole of `word`.
+// True if `text` begins with the complete `word`.
 static bool starts_with(const char *text, const char *word) {
     while (*word != '\0' && *text == *word) {
         text++;
@@ -78,7 +78,8 @@ bool semihost_has_argument(const char *word) {
         return false;
     }
     for (const char *p = line; *p != '\0'; p++) {
-        if (*p == ' ' && starts_with(p + 1, word)) { // what precedes the first blank is the image
+        if (*p == ' ' &&
+            starts_with(p + 1, word)) { // the name of the image is before the first blank
             return true;
         }
     }

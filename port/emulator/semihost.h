@@ -1,4 +1,4 @@
-/// Text, arguments and exit code by way of the debugger, which here is qemu.
+/// Text, arguments and exit code through the debugger, which is qemu here.
 #ifndef EMULATOR_SEMIHOST_H
 #define EMULATOR_SEMIHOST_H
 
@@ -12,7 +12,7 @@ void semihost_print_float(float value);
 /// Sixteen hexadecimal digits.
 void semihost_print_hex64(uint64_t value);
 
-/// `word` was given to port/emulator/run after the image.
+/// True if `word` was given to port/emulator/run after the image.
 bool semihost_has_argument(const char *word);
 
 /// Ends the emulation with this exit code.

@@ -25,11 +25,11 @@
 #define APP_RESTARTS 0u
 #endif
 
-#define HARDWARE_TRIP 1.2f   // of the drive's own over-current trip: the last resort, not the first
-#define STOPPED_PERIODS 8.0f // without an interrupt
-#define LOOP_PERIODS 8u      // a posted command shows in the telemetry by then
+#define HARDWARE_TRIP 1.2f   // times the drive's own over-current trip, which shall act first
+#define STOPPED_PERIODS 8.0f // periods without an interrupt
+#define LOOP_PERIODS 8u      // the telemetry shows a posted command by then
 #define RESTART_PAUSE_s 1.0f // lets the cause die down and the rotor slow down
-#define RESTART_GOOD_s 60.0f // of RUN, after which the restarts are counted anew
+#define RESTART_GOOD_s 60.0f // time in RUN after which the count of restarts is cleared
 
 volatile uint32_t app_mode = APP_MODE;
 volatile uint32_t app_armed;
@@ -39,28 +39,28 @@ volatile float app_turn_rad_s;
 volatile uint32_t app_link = APP_LINK;
 volatile uint32_t app_trigger = LODE_TRIGGER_FAULT;
 
-// Of the interrupt: it alone writes these while periods come.
+// Only the interrupt writes these while periods come.
 static lode_drive_t drive;
 static volatile bringup_cycles_t cycles;
 static volatile bringup_window_t window;
 static volatile bool cycles_restart; // set by the thread, cleared by the interrupt
 
-// Of the thread.
+// Variables of the thread.
 static lode_drive_tuning_t tuning;
 static lode_drive_config_t config;
 static lode_status_t status;
 static bringup_t bringup;
 static bool started;
 static uint32_t mode_now = APP_MODE_OFF;
-static uint32_t mode_waiting; // for app_armed, and reported
+static uint32_t mode_waiting; // waits for app_armed, and has been reported
 static uint32_t steps_seen;
-static uint32_t seen_at; // board_cycles() when they were seen
+static uint32_t seen_at; // board_cycles() at that time
 static lode_supervisor_config_t reactions;
 static lode_supervisor_t supervisor;
 static uint32_t supervised_at; // steps
 static lode_command_t posted;
 static bool faulted;
-static bool stopped; // by a fault, until somebody arms again
+static bool stopped; // by a fault, until armed again
 static bool resumes; // armed before the watchdog's reset
 
 static void note_cycles(uint32_t entered) {
@@ -92,8 +92,8 @@ LODE_RAMFUNC void app_period(void) {
     note_cycles(entered);
 }
 
-// Each fault is followed by a new start, as often as APP_RESTARTS allows; a reset by the watchdog too, where the motor
-// was armed and that is left of them. Else a person arms.
+// Each fault is followed by a new start, as often as APP_RESTARTS allows. So is a reset by the watchdog, if the
+// motor was armed and starts remain. Otherwise the user must arm.
 static lode_status_t start_supervisor(bool by_watchdog) {
     const lode_telemetry_t off = {.mode = LODE_MODE_OFF};
     reactions = (lode_supervisor_config_t){
@@ -122,7 +122,7 @@ bool app_start(void) {
     if (resets > 0u) {
         report_event("START", "WATCHDOG_RESETS", resets);
     }
-    config = (lode_drive_config_t){.f_pwm_Hz = 0.0f}; // what the board leaves open is computed
+    config = (lode_drive_config_t){.f_pwm_Hz = 0.0f}; // open values are computed
     board_describe(&config);
     config.motor = motor_data();
     if (APP_V_BUS_V > 0.0f && APP_V_BUS_V < config.inverter.v_bus_V) {
@@ -140,7 +140,7 @@ bool app_start(void) {
     }
     const bool up = board_init(
         HARDWARE_TRIP *
-        config.guard.i_trip_A); // a refused configuration too is reported over its serial port
+        config.guard.i_trip_A); // a refused configuration is also reported over its serial port
     if (status != LODE_OK || !up) {
         board_gates_off();
         report_event("START FAIL", status != LODE_OK ? lode_status_name(status) : "BOARD", 0u);
@@ -191,7 +191,7 @@ static void post(lode_command_t command) {
     (void)lode_drive_post_command(&drive, &command);
 }
 
-// Somebody has armed, or switched off.
+// The user has armed, or switched off.
 static void forget_restarts(const lode_telemetry_t *now) {
     const lode_command_t clear = {.mode = LODE_MODE_OFF, .clear_fault = true};
     (void)lode_supervisor_step(&supervisor, now, clear, 0.0f);
@@ -206,7 +206,7 @@ static void begin_mode(uint32_t mode, const lode_telemetry_t *now) {
     resumes = false;
     faulted = false;
     stopped = false;
-    supervised_at = now->steps; // by the next pass a fault of what went before is cleared
+    supervised_at = now->steps; // by the next pass an earlier fault is cleared
     posted = (lode_command_t){.mode = LODE_MODE_OFF};
     cycles_restart = true;
     (void)board_clear_trip();
@@ -233,7 +233,7 @@ static bool is_posted(const lode_command_t *command) {
            !(lode_abs(command->speed_rad_s - posted.speed_rad_s) > 0.0f);
 }
 
-// A fault is cleared behind the hardware's trip only; one that is still there makes it a start that has failed.
+// A fault is cleared only after the hardware trip; if the trip is still active the start has failed.
 static void run_application(const lode_telemetry_t *now) {
     const uint32_t periods = now->steps - supervised_at;
     if (periods < LOOP_PERIODS) {
@@ -249,7 +249,7 @@ static void run_application(const lode_telemetry_t *now) {
     }
 }
 
-// A stopped interrupt starves the watchdog; the gates need not wait for that.
+// A stopped interrupt lets the watchdog expire; the gates are switched off before that.
 static void supervise(uint32_t steps) {
     const float patience = STOPPED_PERIODS * config.guard.stamp_per_period; // 0: no time base
     if (steps != steps_seen) {
@@ -261,7 +261,7 @@ static void supervise(uint32_t steps) {
     }
 }
 
-// A mode that switches begins only while somebody has armed it, and ends with that.
+// A mode that switches runs only while armed.
 static void wait_for_arming(uint32_t mode, const lode_telemetry_t *now) {
     if (mode_now != APP_MODE_OFF) {
         begin_mode(APP_MODE_OFF, now);
@@ -272,7 +272,7 @@ static void wait_for_arming(uint32_t mode, const lode_telemetry_t *now) {
     }
 }
 
-// The gates go on only behind a trip path that has shown that it works.
+// The gates go on only after a successful test of the trip path.
 static void begin_if_safe(uint32_t mode, const lode_telemetry_t *now) {
     if (mode >= (uint32_t)BRINGUP_SIGNS && !board_test_trip()) {
         app_armed = 0u;

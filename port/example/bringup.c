@@ -6,7 +6,7 @@
 #define FIRST_TIME 0.02f  // s
 #define SETTLE_TIME 0.3f  // for the rotor to swing out
 #define AVERAGE_TIME 0.2f // of telemetry
-#define HOLD_TIME 0.5f    // for which the lock must hold after a start
+#define HOLD_TIME 0.5f    // time that the lock must hold after a start
 #define RUN_TIME 2.0f
 #define RUN_TIMEOUT 30.0f
 #define MARGIN_TIME 1.0f // added to the drive's own time-outs
@@ -15,27 +15,28 @@
 #define SIGN_PERIODS 64u
 
 // Criteria.
-#define PERIOD_TOLERANCE 0.01f  // a wrong divider is off by far more
+#define PERIOD_TOLERANCE 0.01f  // a wrong divider has a far larger error
 #define JITTER_SHARE 0.05f      // a masked or delayed interrupt
 #define WORK_SHARE 0.8f         // the rest is for the thread
 #define NOISE_SHARE 0.02f       // of full scale
 #define TEST_CURRENT_SHARE 0.2f // of i_max: above the noise, far from the trip
-#define VOLTAGE_MARGIN 2.0f     // times R i: as far as a resistance passes
+#define VOLTAGE_MARGIN 2.0f     // times R i: the limit for the resistance
 #define LOSS_MARGIN 2.0f        // times dead time and drops
 #define BALANCE_PERIODS 16u     // against noise
-#define BALANCE_SHARE 0.5f      // of the test current: what the three may sum up to
-// Of current control: three periods from the first voltage to a sample that has seen it, the rest to rise.
+#define BALANCE_SHARE 0.5f      // of the test current: largest sum of the three currents
+// Rise time of current control: three periods from the first voltage to a sample that shows it, the rest for
+// the rise.
 #define CONTROL_PERIODS 20u
-#define FIRST_SHARE 0.3f // of the current that is controlled in the end
-#define SEEN_SHARE 0.5f  // of the test current, else there is none
+#define FIRST_SHARE 0.3f // of the final controlled current
+#define SEEN_SHARE 0.5f  // of the test current; below it there is no current
 #define IN_PHASE 0.75f   // share of the largest current: +-1 is right, +-0.5 another phase
 #define NOTHING 0.25f
-#define RETURN_TOLERANCE 0.2f // of the half that should come back in each other phase
-#define LATENCY_MAX 0.25f     // calls: one leg of three that is a period off makes half a call
+#define RETURN_TOLERANCE 0.2f // of the half that should return in each other phase
+#define LATENCY_MAX 0.25f     // calls: one leg of three that is one period off gives half a call
 #define LATENCY_SIGMAS 2.0f   // of the noise
 #define FALL_SHARE 0.5f       // of the step of a duty
 #define LEAST_TICKS 4.0f      // of the timer, in a step
-#define TAUS 12.0f            // until a current stands: six of a winding twice as slow
+#define TAUS 12.0f // until a current is constant: six time constants of a winding twice as slow
 #define ACROSS_SHARE 0.3f
 #define RESISTANCE_FACTOR 2.0f
 #define CURRENT_SHARE 0.3f
@@ -91,7 +92,7 @@ const char *bringup_reason_name(uint_least8_t reason) {
 }
 
 void bringup_window_ask(volatile bringup_window_t *self, uint32_t periods) {
-    self->wanted = 0u; // the interrupt leaves it alone from here on
+    self->wanted = 0u; // from here on the interrupt does not write it
     self->taken = 0u;
     self->trips = 0u;
     for (uint32_t x = 0; x < 3u; x++) {
@@ -102,7 +103,7 @@ void bringup_window_ask(volatile bringup_window_t *self, uint32_t periods) {
     self->wanted = periods;
 }
 
-// From flash: out of bring-up it returns at once, and the fast memory is for the step.
+// Runs from flash: outside bring-up it returns at once, and the fast memory is reserved for the step.
 void bringup_window_take(volatile bringup_window_t *self, const lode_counts_t *counts,
                          lode_abc_t duty) {
     edge_take(&self->edge, counts, duty);
@@ -179,7 +180,7 @@ static void step_pwm(bringup_t *self, const bringup_view_t *view) {
     if (elapsed_s(self, view) < PWM_TIME || !window_done(self) || cycles->periods < 2u) {
         return;
     }
-    // The counter wraps within seconds: the stamps' difference holds over this half second.
+    // The counter wraps within seconds, so the difference of the stamps is valid over this half second.
     const float mean = (float)(cycles->last - cycles->first) / (float)(cycles->periods - 1u);
     const float jitter = (float)(cycles->interval_max - cycles->interval_min);
     const float work = (float)cycles->work_max / (float)cycles->interval_min;
@@ -229,7 +230,7 @@ static void judge_offsets(bringup_t *self, const bringup_view_t *view) {
     }
 }
 
-// Off, counts at zero current, then the drive's own calibration. True when all is done.
+// Gates off, counts at zero current, then the drive's own calibration. True when complete.
 static bool calibrated(bringup_t *self, const bringup_view_t *view) {
     const bool off = view->now.mode == LODE_MODE_OFF;
     if (self->stage == 0u && off) {
@@ -263,12 +264,12 @@ static float test_current_A(const bringup_t *self) {
     return TEST_CURRENT_SHARE * self->config->inverter.i_max_A;
 }
 
-// Of winding and switches together: no current flows through one without the other.
+// Resistance of winding and switches together, because the current flows through both.
 static float resistance_of(const lode_drive_config_t *config) {
     return config->motor.Rs_Ohm + config->inverter.r_on_Ohm;
 }
 
-// The most that `i_A` can need. With currents that are not seen it is the only bound there is.
+// The largest voltage that `i_A` can need. If the currents are not measured correctly it is the only limit.
 static float voltage_for(const lode_drive_config_t *config, float i_A) {
     const lode_inverter_config_t *inverter = &config->inverter;
     return VOLTAGE_MARGIN * resistance_of(config) * i_A +
@@ -277,8 +278,8 @@ static float voltage_for(const lode_drive_config_t *config, float i_A) {
                                          lode_inverter_carrier_Hz(inverter, config->f_pwm_Hz));
 }
 
-// By raw counts, all the time while the voltage rises: what flows in must flow out. False: an amplifier is
-// dead or wrong, and the vector's length is not the current's. Two shunts always sum up to nothing.
+// Checks the raw counts while the voltage rises: the currents must add up to zero. False: an amplifier is dead
+// or wrong, and the length of the vector is not that of the current. With two shunts the sum is always zero.
 static bool balanced(bringup_t *self) {
     const lode_sense_config_t *sense = &self->config->sense;
     if (sense->shunts == LODE_SHUNTS_TWO) {
@@ -298,11 +299,11 @@ static bool balanced(bringup_t *self) {
     return self->sum_A < BALANCE_SHARE * test_current_A(self);
 }
 
-// Raises the voltage until the current shows. The current answers within L/R, well inside a look.
+// Raises the voltage until a current shows. The current responds within L/R, much faster than the evaluation.
 static bool raise_voltage(bringup_t *self, const bringup_view_t *view, lode_command_t at,
                           float wanted_A) {
     const float seen_A = length_of(view->now.i_A);
-    if (seen_A >= wanted_A || !balanced(self)) { // who judges says what is wrong
+    if (seen_A >= wanted_A || !balanced(self)) { // the evaluation reports the error
         return true;
     }
     const float share = elapsed_s(self, view) / RISE_TIME;
@@ -319,7 +320,7 @@ static bool raise_voltage(bringup_t *self, const bringup_view_t *view, lode_comm
     return false;
 }
 
-// One phase driven, the other two carry half of it back each.
+// One phase is driven, and the other two each return half of its current.
 static bool judge_phase(bringup_t *self, uint32_t driven) {
     const lode_sense_config_t *sense = &self->config->sense;
     float i[3];
@@ -359,8 +360,8 @@ static float tau_s(const bringup_t *self) {
     return 0.5f * (motor->Ld_H + motor->Lq_H) / resistance_of(self->config);
 }
 
-// The interrupt follows the steps in which the voltage goes back to nothing. False: of so few of the timer's steps that
-// they would not be seen.
+// The interrupt follows the steps in which the voltage returns to zero. False: the steps are too small for the
+// resolution of the timer.
 static bool begin_edges(bringup_t *self, const bringup_view_t *view, uint32_t phase) {
     const bool unseen = phase == 2u && self->config->sense.shunts == LODE_SHUNTS_TWO;
     // Min-max centring: the driven leg leaves one half by three quarters of its voltage.
@@ -375,11 +376,11 @@ static bool begin_edges(bringup_t *self, const bringup_view_t *view, uint32_t ph
 
 static void end_edges(bringup_t *self, const bringup_view_t *view, uint32_t stages) {
     post(self, (lode_command_t){.mode = LODE_MODE_OFF});
-    self->stage += stages; // that are left out
+    self->stage += stages; // skipped stages
     next_stage(self, view);
 }
 
-// A winding that tells too little is not judged.
+// A winding with too small a response is not judged.
 static bool judge_edges(bringup_t *self, uint32_t phase) {
     const volatile edge_t *edge = &self->window->edge;
     const edge_time_t time =
@@ -393,7 +394,7 @@ static bool judge_edges(bringup_t *self, uint32_t phase) {
     return true;
 }
 
-// Behind a step: the voltage comes back for the next one, or they are judged.
+// After a step: the voltage returns for the next step, or the steps are judged.
 static void follow_edges(bringup_t *self, const bringup_view_t *view, uint32_t phase) {
     if (!edge_done(&self->window->edge)) {
         if (elapsed_s(self, view) > SETTLE_TIME) {
@@ -411,7 +412,7 @@ static void follow_edges(bringup_t *self, const bringup_view_t *view, uint32_t p
     }
 }
 
-// A current that takes no voltage: a leg's duty does not follow, and drives it by itself.
+// A current that needs no voltage: the duty of a leg does not follow its command and drives the current itself.
 static bool voltage_plausible(bringup_t *self, const bringup_view_t *view, uint32_t phase) {
     const float R_Ohm = self->u_V / lode_max(length_of(view->now.i_A), 1.0e-6f);
     const float least = resistance_of(self->config) / RESISTANCE_FACTOR;
@@ -466,7 +467,7 @@ static void step_signs(bringup_t *self, const bringup_view_t *view) {
             next_stage(self, view);
         }
         break;
-    default: // the current must die before the next phase
+    default: // the current must decay before the next phase
         if (phase == 2u) {
             finish(self, BRINGUP_OK, 0u, self->result.measured, IN_PHASE);
         } else if (elapsed_s(self, view) > SETTLE_TIME) {
@@ -477,7 +478,7 @@ static void step_signs(bringup_t *self, const bringup_view_t *view) {
     }
 }
 
-// Takes in each period's picture once, over AVERAGE_TIME. True when the mean is there.
+// Uses the telemetry of each period once, over AVERAGE_TIME. True when the mean is complete.
 static bool averaged(bringup_t *self, const bringup_view_t *view, float reference_d) {
     const lode_dq_t i = view->now.i_A;
     const float error = length_of((lode_dq_t){i.d - reference_d, i.q});
@@ -518,7 +519,7 @@ static bool still_balanced(bringup_t *self) {
     return true;
 }
 
-// The second of two points: what dead time and drops take is the same at both, and cancels.
+// The second of two points: the loss to dead time and drops is the same at both, and cancels.
 static void judge_voltage(bringup_t *self) {
     const float d = self->sum_d / self->count;
     const float across = self->sum_q / self->count / lode_max(lode_abs(d), 1.0e-6f);
@@ -564,8 +565,8 @@ static void post_current(bringup_t *self, const bringup_view_t *view, float want
     next_stage(self, view);
 }
 
-// A controller that does not see its current raises the voltage until something trips. So a small current
-// first; the voltage of the first periods comes before any current and says nothing.
+// A controller without current feedback raises the voltage until something trips. So a small current is tried
+// first; the voltage of the first periods precedes any current and is not evaluated.
 static bool sees_current(bringup_t *self, const bringup_view_t *view, float wanted) {
     const float seen_A = length_of(view->now.i_A);
     if (view->now.steps - self->since > CONTROL_PERIODS && seen_A < SEEN_SHARE * wanted &&
@@ -576,7 +577,7 @@ static bool sees_current(bringup_t *self, const bringup_view_t *view, float want
     return true;
 }
 
-// Stage 3 posts a small current, 4 waits for current control, 5 looks at it; 6 and on: all of it.
+// Stage 3 posts a small current, 4 waits for current control, 5 checks it; from 6 on the full current.
 static void step_current(bringup_t *self, const bringup_view_t *view) {
     const float wanted = CURRENT_SHARE * self->config->inverter.i_max_A;
     const float first = FIRST_SHARE * wanted;
@@ -724,13 +725,13 @@ bringup_state_t bringup_step(bringup_t *self, const bringup_view_t *view) {
     if (self->result.state != (uint_least8_t)BRINGUP_RUNNING) {
         return (bringup_state_t)self->result.state;
     }
-    // Before the first stage the drive may still show a fault of what went before.
+    // Before the first stage the drive may still show an earlier fault.
     if (view->now.mode == LODE_MODE_FAULT && self->stage > 0u) {
         const lode_fault_t *fault = &view->now.fault;
         self->result.check = fault->check;
         finish(self, BRINGUP_FAULT, 0u, fault->measured, fault->limit);
     } else if (view->now.mode == LODE_MODE_PRECHARGE) {
-        self->since = view->now.steps; // the stage's time begins behind it
+        self->since = view->now.steps; // the time of the stage starts after it
     } else {
         step_mode(self, view);
     }

@@ -3,15 +3,15 @@
 #define FIRST 3u      // sample of the fit: duties that are a period late have acted by then
 #define LEAST 4u      // samples
 #define LOW 0.15f     // of the level: below it noise and dead time decide
-#define BEND_LOW 0.3f // of it, where the course's bend is looked at: above that of small currents
+#define BEND_LOW 0.3f // of the level: above it the bend is evaluated, clear of small currents
 #define PULL_MAX 1.0f
-// What is left of the bend, a fifth, moves the edge by n^2/(60 tau) calls: at most a tenth with n = sqrt(6 tau).
+// The remaining bend, a fifth, moves the edge by n^2/(60 tau) calls: at most a tenth with n = sqrt(6 tau).
 #define SAMPLES_TAU 6.0f
-#define QUANTUM_count 0.3f // of rounding: noise is taken as no less
+#define QUANTUM_count 0.3f // least noise assumed, from rounding
 #define SIGMA_MAX 0.15f    // calls
 
 void edge_begin(volatile edge_t *self, uint32_t leg, uint32_t from, float fall) {
-    self->wanted = 0u; // the interrupt leaves it alone from here on
+    self->wanted = 0u; // from here on the interrupt does not write it
     self->leg = leg;
     self->from = from;
     self->fall = fall;
@@ -31,7 +31,7 @@ void edge_ask(volatile edge_t *self) {
     self->wanted = EDGE_SAMPLES;
 }
 
-// From flash: out of bring-up it returns at once, and the fast memory is for the step.
+// Runs from flash: outside bring-up it returns at once, and the fast memory is reserved for the step.
 void edge_take(volatile edge_t *self, const lode_counts_t *counts, lode_abc_t duty) {
     if (self->taken >= self->wanted) {
         return;
@@ -74,7 +74,7 @@ static float logarithm(float x) {
     return 2.0f * z * (1.0f + zz * (1.0f / 3.0f + zz * 0.2f)) - halves * 0.34657359f;
 }
 
-/// The mean of a call's samples, as a share of what was before the step.
+/// The mean of a call's samples, as a share of the level before the step.
 typedef struct {
     const volatile edge_t *edge;
     float offset_count;
@@ -86,8 +86,8 @@ static float share_at(const course_t *course, uint32_t m) {
     return (mean - course->offset_count) * course->per_count;
 }
 
-// What the current strives for lies below zero by this share: dead time pulls as the winding's resistance does.
-// Two halves of the course, each by what it falls and by its area, tell it from the time constant.
+// The final value of the current is below zero by this share: dead time acts like the winding's resistance.
+// Fall and area of the two halves of the course distinguish it from the time constant.
 static float pull(const course_t *course) {
     uint32_t count = 0u;
     while (FIRST + count < EDGE_SAMPLES && share_at(course, FIRST + count) >= BEND_LOW) {
@@ -114,7 +114,7 @@ typedef struct {
     float n, x, y, xx, xy, yy;
 } sums_t;
 
-// Of the logarithms of what is left of the way, which is a line, and 0 at the level.
+// Fit of the logarithm of the remaining current, which is a straight line and 0 at the level.
 static sums_t gather(const course_t *course, float pulled, uint32_t most) {
     sums_t s = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
     for (uint32_t m = FIRST; m < FIRST + most && m < EDGE_SAMPLES; m++) {
@@ -153,9 +153,9 @@ edge_time_t edge_time(const volatile edge_t *self, float offset_count, float tau
     const float rest = s.yy - s.y * s.y / s.n - slope * slope * span;
     const float noise = lode_max(sqrtf(lode_max(rest, 0.0f) / (s.n - 2.0f)), quantum);
     const float middle = s.x / s.n;
-    time.at = middle - s.y / s.n / slope; // where the line meets the level, whose logarithm is 0
+    time.at = middle - s.y / s.n / slope; // intersection with the level, whose logarithm is 0
     const float away = middle - time.at;
-    // The level is rounded, too.
+    // The level is rounded as well.
     const float variance = noise * noise * (1.0f / s.n + away * away / span) + quantum * quantum;
     time.sigma = sqrtf(variance) / -slope;
     time.known = time.sigma <= SIGMA_MAX;

@@ -1,8 +1,9 @@
-/// When duties act. Steps of the voltage are followed call by call: the call that writes the new duties is 0, they act
-/// from the sample of call 1 on, and that of call 2 is the first that has seen them. Where the current's course meets
-/// the level that it had before says when they really began to act.
+/// Measures when duties act. Voltage steps are followed call by call: call 0 writes the new duties, they act
+/// from the sample of call 1 on, and the sample of call 2 is the first that shows them. The intersection of the
+/// current's course with its previous level gives the instant at which they began to act.
 ///
-/// Three legs that are a period off move that instant by a whole period, one of three by half of one in its own phase.
+/// If all three legs are one period off, that instant moves by a period; if one leg is, by half a period in its
+/// own phase.
 #ifndef LODESTAR_PORT_EDGE_H
 #define LODESTAR_PORT_EDGE_H
 
@@ -14,7 +15,7 @@
 #define EDGE_EXPECTED 1.0f ///< call at whose sample the duties begin to act
 
 typedef struct {
-    uint32_t wanted; ///< 0: nothing asked
+    uint32_t wanted; ///< 0: no request
     uint32_t taken;  ///< of this step
     uint32_t leg;    ///< whose duty falls
     uint32_t from;   ///< which current is sampled
@@ -30,16 +31,16 @@ typedef struct {
 typedef struct {
     float at;    ///< when the duties began to act, calls
     float sigma; ///< of that, by noise
-    bool known;  ///< else the current changes too little, or too fast, to tell
+    bool known;  ///< else the current changes too little, or too fast, for a result
 } edge_time_t;
 
-/// Begins anew. Thread.
+/// Restarts the measurement. Thread.
 void edge_begin(volatile edge_t *self, uint32_t leg, uint32_t from, float fall);
-/// One more of them: the samples from now on, and those from the next fall of the leg's duty on. Thread.
+/// Requests one more step: the samples from now on, and those from the next fall of the leg's duty on. Thread.
 void edge_ask(volatile edge_t *self);
-/// Interrupt: what has been sampled, and the duties that it led to.
+/// Interrupt: the samples, and the duties computed from them.
 void edge_take(volatile edge_t *self, const lode_counts_t *counts, lode_abc_t duty);
-/// Enough is known of what was before: now the step may come.
+/// True if there are enough samples before the step: now the step may come.
 bool edge_ready(const volatile edge_t *self);
 bool edge_done(const volatile edge_t *self);
 

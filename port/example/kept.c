@@ -1,13 +1,14 @@
 #include "kept.h"
 
-/// Where start-up code and boot loader leave memory as it is; the port says how that is written. Without
-/// it the count begins anew with every reset.
+/// In memory that start-up code and boot loader do not write; the port defines how it is declared. Without it
+/// the count restarts with every reset.
 #ifndef APP_NOINIT
 #define APP_NOINIT
 #endif
 
-#define ARMED 0x41524D44u // memory that nobody has written holds it once in 2^32
-#define MAGIC 0x4B455054u // with the count: memory that no reset has left untouched does not match
+#define ARMED 0x41524D44u // unwritten memory holds this value once in 2^32
+// Checked with the count: memory that was overwritten during a reset does not match.
+#define MAGIC 0x4B455054u
 
 static APP_NOINIT uint32_t resets;
 static APP_NOINIT uint32_t check;

@@ -1,4 +1,4 @@
-/// What is known beyond a reset of the chip, but not beyond a loss of power.
+/// Values that survive a reset of the chip, but not a loss of power.
 #ifndef LODESTAR_PORT_KEPT_H
 #define LODESTAR_PORT_KEPT_H
 
@@ -8,13 +8,13 @@
 /// first of all; `by_watchdog`: this start is one more of them.
 uint32_t kept_watchdog_resets(bool by_watchdog);
 
-/// The supervisor's count of new starts. What a power-up leaves there counts as none.
+/// The supervisor's count of new starts; 0 after a power-up.
 lode_attempts_t *kept_attempts(void);
 
-/// Thread. Whether the motor runs because somebody has armed it, for the start after a reset by the watchdog.
+/// Thread. Notes whether the motor is armed and runs, for the start after a reset by the watchdog.
 void kept_note_armed(bool armed);
 
-/// What was noted last; false where nothing was since power came.
+/// The last note; false if there was none since power-up.
 bool kept_was_armed(void);
 
 #endif

@@ -1,8 +1,7 @@
 #include "app.h"
 
 int main(void) {
-    (void)
-        app_start(); // where it fails, app_poll() says so over the serial port, and does nothing else
+    (void)app_start(); // if it fails, app_poll() only reports that over the serial port
     for (;;) {
         app_poll();
     }

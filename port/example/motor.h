@@ -1,5 +1,5 @@
-/// The motor on the bench. These figures are those of a small 24 V servo motor (4 pole pairs, 3000 rpm,
-/// 0.2 Nm class): put your motor's in their place, or give your own file with -DLODE_MOTOR_H=<path>.
+/// The motor on the bench. The values are those of a small 24 V servo motor (4 pole pairs, 3000 rpm, 0.2 Nm
+/// class): replace them by those of your motor, or give your own file with -DLODE_MOTOR_H=<path>.
 /// docs/configuration.md has the ranges; lodestar/motor.h converts from data sheets' units.
 #ifndef LODESTAR_PORT_MOTOR_H
 #define LODESTAR_PORT_MOTOR_H
@@ -9,7 +9,7 @@
 static inline lode_motor_t motor_data(void) {
     return (lode_motor_t){
         .pole_pairs = 4.0f,
-        .Rs_Ohm = 0.6f,    ///< phase of the star: half of what a meter shows between two wires
+        .Rs_Ohm = 0.6f,    ///< per phase, star: half of the resistance between two terminals
         .Ld_H = 0.6e-3f,   ///< phase
         .Lq_H = 0.6e-3f,   ///< phase
         .psi_Wb = 6.5e-3f, ///< peak EMF of a phase per electrical rad/s
@@ -18,7 +18,7 @@ static inline lode_motor_t motor_data(void) {
     };
 }
 
-/// Largest amplitude of the phase current; the board's own limit is kept where that is lower.
+/// Largest amplitude of the phase current; the board's own limit applies if it is lower.
 #define MOTOR_I_MAX_A 5.0f
 /// Speed that the modes "run" and the application command at first, mechanical.
 #define MOTOR_SPEED_rad_s 150.0f

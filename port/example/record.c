@@ -4,15 +4,15 @@
 
 // 115200 baud carry 11520 octets/s; a frame of six channels has 32.
 #define RING_CHANNELS 6u
-#define RING_FRAMES 64u // a third of a second without the thread
+#define RING_FRAMES 64u // buffers a third of a second without the thread
 #define RING_RATE_Hz 200.0f
 #define RING_WORDS LODE_RING_WORDS(RING_CHANNELS, RING_FRAMES)
 #define SCOPE_CHANNELS 8u
-#ifndef SCOPE_ROWS      // a part with little RAM takes fewer
+#ifndef SCOPE_ROWS      // a chip with little RAM uses fewer
 #define SCOPE_ROWS 250u // 12.5 ms at 20 kHz; 8 KB
 #endif
 #define SCOPE_WORDS LODE_SCOPE_WORDS(SCOPE_CHANNELS, SCOPE_ROWS)
-#define SCOPE_PRE_SHARE 0.9f // a fault's cause lies before it
+#define SCOPE_PRE_SHARE 0.9f // the cause of a fault lies before it
 #define OCTETS_MAX 64u
 
 static const lode_channels_config_t sent_always = {
@@ -29,9 +29,9 @@ static uint32_t ring_words[RING_WORDS];
 static lode_scope_t scope;
 static uint32_t scope_words[SCOPE_WORDS];
 
-static volatile bool paused; // by the thread: the interrupt leaves the scope alone
+static volatile bool paused; // set by the thread: the interrupt does not use the scope
 
-// Of the thread.
+// Variables of the thread.
 static lode_scope_config_t capture;
 static bool dumped;
 static uint16_t octets[OCTETS_MAX];
@@ -78,12 +78,12 @@ static uint32_t next_octets(link_t link) {
         return 0u;
     }
     const uint32_t some = lode_scope_drain(&scope, octets, OCTETS_MAX);
-    dumped = some == 0u; // its end; the next call would begin again
+    dumped = some == 0u; // the end of the dump; the next call would restart it
     return some;
 }
 
 bool record_poll(link_t link) {
-    if (sent == count) { // all of them gone: the next ones
+    if (sent == count) { // all octets sent: take the next ones
         sent = 0u;
         count = next_octets(link);
     }

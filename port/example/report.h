@@ -1,14 +1,13 @@
 /// One line of text over board_send() whenever a bring-up step ends:
 ///     3 FAIL SIGN phase 1 measured -1.000 limit 0.750
-/// with the number of the step and lode_check_t where the reason is FAULT; and a line for what else there
-/// is to say. What the transmitter does not take now goes out in the next pass.
+/// with the number of the step and lode_check_t where the reason is FAULT; and a line for other events. Octets
+/// that the transmitter does not take now are sent in the next pass.
 #ifndef LODESTAR_PORT_REPORT_H
 #define LODESTAR_PORT_REPORT_H
 
 #include "bringup.h"
 
-/// A line "what name number" in front of what report_poll() sends next. Dropped where too much waits.
-/// Thread.
+/// A line "what name number" before the next output of report_poll(). Dropped if too much is waiting. Thread.
 void report_event(const char *what, const char *name, uint32_t number);
 
 /// Thread, once per pass.

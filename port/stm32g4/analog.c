@@ -27,8 +27,8 @@ static void lockup_breaks(void) {
 #define DAC_INTERNAL 3u      // MODE: to the chip only, no buffer
 #define DAC_FAST 2u          // HFSEL: AHB above 160 MHz
 #define DAC_RANGE 4095.0f
-#define DAC_LOOPS                                                                                  \
-    1000u // 20 us at 170 MHz; DAC, comparator and break filter together take about 2 us
+// 20 us at 170 MHz; DAC, comparator and break filter together take about 2 us
+#define DAC_LOOPS 1000u
 
 static void amplifier(OPAMP_TypeDef *unit) {
     REG_WRITE(unit->CSR, AMPLIFIER_PGA << OPAMP_CSR_VMSEL_Pos |

@@ -36,8 +36,7 @@ bool chip_protection_test(void) {
 
 static void sequence(ADC_TypeDef *adc, const uint32_t ranks[RANKS], uint32_t trigger) {
     const stm32_sampling_t times = stm32_sampling(ranks, RANKS, SAMPLE_8_5);
-    REG_WRITE(adc->PCSEL,
-              1u << ranks[0] | 1u << ranks[1] | 1u << ranks[2]); // analog switches of the channels
+    REG_WRITE(adc->PCSEL, 1u << ranks[0] | 1u << ranks[1] | 1u << ranks[2]); // their switches
     REG_WRITE(adc->SMPR1, times.low);
     REG_WRITE(adc->SMPR2, times.high);
     REG_WRITE(adc->CFGR, TWELVE_BITS << ADC_CFGR_RES_Pos);

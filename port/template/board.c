@@ -1,10 +1,10 @@
 /// A board that does nothing: copy this folder and fill in each function. It compiles, and its gates stay
-/// off. What each function promises stands in board.h.
+/// off. board.h has the contract of each function.
 #include "board.h"
 
 /// f_pwm, bus voltage and largest current, dead time, drops, timer steps; gains, offset and range of the
-/// sensors; guard.stamp_per_period = cycles of board_cycles() per call. A timer that calls at both turning points:
-/// f_pwm is that of the calls, and inverter.double_update is on.
+/// sensors; guard.stamp_per_period = cycles of board_cycles() per call. With a timer that calls at both turning
+/// points, f_pwm is the rate of the calls, and inverter.double_update is on.
 void board_describe(lode_drive_config_t *config) {
     config->f_pwm_Hz = 20.0e3f;
     config->inverter = (lode_inverter_config_t){.v_bus_V = 24.0f, .i_max_A = 10.0f};
@@ -19,7 +19,7 @@ bool board_reset_by_watchdog(void) {
 }
 
 /// Clocks; timer centre-aligned, compare preloaded, dead time, break input; ADC on the timer's
-/// trigger; serial port as soon as it can be. Gate pins last. False while any of it is missing.
+/// trigger; serial port as early as possible. Gate pins last. False if any of these is missing.
 bool board_init(float i_trip_A) {
     (void)i_trip_A;
     return false;
@@ -34,8 +34,8 @@ void board_read(lode_counts_t *counts) {
 }
 
 /// With gates off: board_gates_off() first. Then duties to the preload registers. With gates on, and no
-/// trip latched: outputs on, within a period. LODE_GATES_LOW: the low sides alone; a board that cannot keeps
-/// all off, and describes itself with start.pulses off.
+/// trip latched: outputs on, within a period. LODE_GATES_LOW: the low sides alone; a board that cannot do this
+/// keeps all off, and sets start.pulses off.
 void board_write(const lode_drive_out_t *out) {
     if (out->gates != LODE_GATES_ON) {
         board_gates_off();
@@ -50,8 +50,8 @@ bool board_clear_trip(void) {
     return false;
 }
 
-/// Move each comparator's threshold across the signal of no current; false if the break flag does not come.
-/// Where the trip comes from a driver's fault pin: true.
+/// Move each comparator's threshold across the zero-current signal; false if the break flag is not set. True if
+/// the trip comes from a driver's fault pin.
 bool board_test_trip(void) {
     return false;
 }

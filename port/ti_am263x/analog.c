@@ -104,8 +104,7 @@ LODE_RAMFUNC bool chip_converters_acknowledge(void) {
     reg_write16(adc + ADC_INTFLGCLR, ADCINT1);
     const bool missed = (reg_read16(adc + ADC_INTOVF) & ADCINT1) != 0u;
     if (missed) {
-        reg_write16(adc + ADC_INTOVFCLR,
-                    ADCINT1); // if it stays set, it blocks every later interrupt
+        reg_write16(adc + ADC_INTOVFCLR, ADCINT1); // left set, it blocks every later one
         reg_write16(adc + ADC_INTFLGCLR, ADCINT1);
     }
     return !missed;

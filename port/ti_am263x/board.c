@@ -51,8 +51,7 @@ static void serial_init(void) {
 
 static void watchdog_start(void) {
     reg_write32(WDT_PRELOAD, WATCHDOG_PRELOAD);
-    reg_write32(WDT_REACTION,
-                WDT_REACTION_RESET); // the pins float, and the driver's pull-downs switch off
+    reg_write32(WDT_REACTION, WDT_REACTION_RESET); // pins float: pull-downs switch off
     reg_write32(WDT_WINDOW, WDT_WINDOW_ALL);
     reg_write32(WDT_ENABLE, WDT_ENABLE_KEY);
     board_feed_watchdog();

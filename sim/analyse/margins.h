@@ -22,8 +22,8 @@ typedef struct {
     double phase_deg;       ///< with the observer in the loop
     double gain_up_dB;   ///< allowed increase of gain with the observer in the loop; NaN: no limit
     double gain_down_dB; ///< allowed decrease of gain; NaN: no limit
-    double
-        sigma_limit_rad_s; ///< sigma at which the phase margin with the observer is zero; NaN: none
+    /// sigma at which the phase margin with the observer is zero; NaN: none
+    double sigma_limit_rad_s;
 } margins_t;
 
 /// Margins at the electrical speed `omega_rad_s`, with sigma as it is scheduled there.

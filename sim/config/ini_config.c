@@ -26,8 +26,8 @@ typedef struct {
     int order;      ///< of rig_origin_t
     int line;       ///< current line
     bool line_done; ///< the last piece read ended its line
-    bool
-        has_key; ///< the current section has a key: a line that begins with a blank continues its value
+    /// the current section has a key: a line that begins with a blank continues its value
+    bool has_key;
     bool failed; ///< a message was printed
 } source_t;
 

@@ -282,8 +282,7 @@ static void describe_motor(const rig_config_t *config, plant_config_t *plant, ui
     plant->i_cross_A = or_else(truth->i_cross_A, 0.0);
     plant->Ldq_H = or_else(truth->Ldq_H, 0.0);
     if (plant->map != NULL) {
-        plant->psi_Wb =
-            fmax(plant->map->psi_Wb, 0.0); // rounding may make it negative for a reluctance machine
+        plant->psi_Wb = fmax(plant->map->psi_Wb, 0.0); // rounding may make it negative
         plant->Ld_H = plant->map->Ld_H;
         plant->Lq_H = plant->map->Lq_H;
     }

@@ -190,8 +190,8 @@ typedef struct {
 typedef struct {
     lode_drive_config_t drive; ///< also of six phases, with motor.sets = 2
     rig_six_t six;
-    lode_drive_config_t
-        given; ///< drive and six before the library computed the values that are not given
+    /// drive and six before the library computed the values that are not given
+    lode_drive_config_t given;
     rig_six_t given_six;
     rig_board_t board;
     rig_convenience_t people;

@@ -48,8 +48,8 @@ void rig_schema_expected(rig_schema_t schema, const char *section, char *text, s
 enum { DIGITS_LEAST = FLT_DIG, DIGITS_MOST = DBL_DIG + 2 };
 
 #define GUESS_LENGTH 64
-#define LIKENESS                                                                                   \
-    0.6 // likeness of two names, 0 .. 1, above which one may be a misspelling of the other
+// Likeness of two names, 0 .. 1, above which one may be a misspelling of the other.
+#define LIKENESS 0.6
 
 /// Likeness of two names: the share of their letters in the longest common subsequence.
 static double likeness(const char *a, const char *b) {

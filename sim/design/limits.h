@@ -22,8 +22,8 @@ typedef struct {
     double gi_sigma_rad_s; ///< least unstable sigma of GI-LESO and PLL up to omega_max; NaN: none
     double gi_omega_rad_s; ///< where
     double gi_filtered_rad_s; ///< the same with the tuning speed filtered at 60 rad/s; NaN: none
-    int routh_cases,
-        routh_wrong; ///< random polynomials, and how many of the verdicts their roots contradict
+    /// random polynomials, and how many of the verdicts their roots contradict
+    int routh_cases, routh_wrong;
 } limits_t;
 
 limits_t limits_compute(const lode_drive_config_t *drive);

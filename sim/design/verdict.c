@@ -78,8 +78,7 @@ static void judge_speeds(verdict_t *verdict, const lode_drive_config_t *drive,
 
 static bool is_short(const verdict_t *verdict, int k) {
     const verdict_step_t *step = &verdict->step[k];
-    const bool below =
-        step->omega_rad_s < verdict->step[VERDICT_LOW].omega_rad_s; // already reported
+    const bool below = step->omega_rad_s < verdict->step[VERDICT_LOW].omega_rad_s; // reported
     return step->share < STEP_SHARE_LEAST && !below;
 }
 

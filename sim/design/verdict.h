@@ -27,10 +27,10 @@ typedef struct {
     double lowest_rad_s;  ///< electrical; 0 with injection
     double highest_rad_s; ///< allowed by both voltage and estimator
     double rated_torque_Nm;
-    verdict_step_t
-        step[VERDICT_SPEEDS]; ///< at the higher of hand-over speed and least speed; at base speed
-    double loop_rad_s
-        [VERDICT_SPEEDS]; ///< the same lowest speed, with the EMF; rated speed or the estimator's limit
+    /// at the higher of hand-over speed and least speed; at base speed
+    verdict_step_t step[VERDICT_SPEEDS];
+    /// the same lowest speed, with the EMF; rated speed or the estimator's limit
+    double loop_rad_s[VERDICT_SPEEDS];
     own_margins_t loop[VERDICT_SPEEDS];
     int changes;
     verdict_change_t change[VERDICT_CHANGES_MAX];

@@ -11,11 +11,11 @@
 // Limits that define a pass. Do not change them.
 #define SPEED_SHARE 0.05 // a speed within this share of the command is reached
 #define HOLD_s 0.1       // for this time without interruption
-#define MEAN_s                                                                                     \
-    0.01 // averaging time of the speed; a turn of the shaft if the load pulsates within a turn
+// Averaging time of the speed; a turn of the shaft if the load pulsates within a turn.
+#define MEAN_s 0.01
 #define REVERSE_MAX_deg 200.0 // electrical, against the command, at the start
-#define LIMITED_SHARE                                                                              \
-    0.1 // share of HOLD_s with the torque at its limit that explains a speed not reached
+// Share of HOLD_s with the torque at its limit that explains a speed not reached.
+#define LIMITED_SHARE 0.1
 #define NOTICE_s 0.1 // a fault must follow an unusable angle within this time
 #define SETTLE_s 2.0
 #define SETTLE_PER_BANDWIDTH 20.0 // of speed control

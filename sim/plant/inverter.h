@@ -31,8 +31,8 @@ typedef struct {
     double rail;     ///< share of the leg's current that comes from the positive rail, 0..1
     bool dead[2];    ///< the low, the high side's transistor no longer turns on; its diode conducts
     bool shorted[2]; ///< the low, the high side conducts whatever the gates say
-    double
-        next_s; ///< its next gate edge that moves the terminal; infinite if there is none; valid once searched
+    /// its next gate edge that moves the terminal; infinite if there is none; valid once searched
+    double next_s;
     bool opening; ///< the phase opens at the next zero of its current ...
     bool open;    ///< ... and stays so
 } plant_leg_t;

@@ -23,8 +23,8 @@ typedef double pair_t __attribute__((vector_size(2 * sizeof(double))));
 
 /// One instant. Vectors in the coordinates of the run: those of the rotor in its middle.
 typedef struct {
-    pair_t
-        psi_u; ///< flux linkage without the resistance: its initial value plus all volt-seconds since
+    /// flux linkage without the resistance: its initial value plus all volt-seconds since
+    pair_t psi_u;
     pair_t i, i_As;
     pair_t dq; ///< the current in rotor coordinates
     double t_s;
@@ -48,8 +48,8 @@ typedef struct {
     pair_t L, inv_L, psi_m; ///< d and q
     pair_t pull;            ///< share of the other current in the slope, times speed
     double R;
-    double rails_V,
-        drops_V; ///< difference between a leg's two levels; difference between the two signs at one level
+    /// difference between a leg's two levels; difference between the two signs at one level
+    double rails_V, drops_V;
     double middle_s, w, half_a; ///< the angle from the middle: w t + half_a t^2
     double longest_s, slope_A_s;
     pair_t drift_A_s; ///< slope of the current without voltage

@@ -413,8 +413,8 @@ HOT void step(plant_motor_t *self, const plant_drive_t *drive, double h_s, plant
     const plant_shaft_t shaft = shaft_at(self, k[0].torque, h_s);
     const double a_0 = acceleration(self, &shaft, k[0].torque, p[0].omega);
 
-    double c,
-        s; // for half the angle turned, applied twice; then the contribution of the acceleration
+    // For half the angle turned, applied twice; then the contribution of the acceleration.
+    double c, s;
     small_angle(self->np * half * (p[0].omega + 0.5 * half * a_0), &c, &s);
     const double more = self->np * half * half * a_0;
     p[1].cos = p[0].cos * c - p[0].sin * s;

@@ -43,8 +43,8 @@ typedef enum {
 #define CASE_PAPER "jiang2022"
 #define CASE_RATED_Nm 5.0
 #define CASE_WINDOW_s 0.4 // steady values are those of this last part of a phase
-#define CASE_SWING_s                                                                               \
-    0.2 // time until the speed has recovered: ten times 1/(55 rad/s), the loop's crossover
+// Time until the speed has recovered: ten times 1/(55 rad/s), the loop's crossover
+#define CASE_SWING_s 0.2
 enum { CASE_STEPS = 5 };   // of the staircase: 300, 600 .. 1500 rpm
 enum { CASE_ORDERS = 12 }; // of ripple that are evaluated
 #define CASE_STEP_rpm 300.0

@@ -25,9 +25,9 @@ typedef struct {
     rig_stats_t error_locked_deg;   ///< lock quality of LODE_LOCK_LOST at least
     rig_stats_t speed_window_rad_s; ///< estimate - truth, electrical
     rig_stats_t speed_settled_rad_s;
-    double
-        close_after_s; ///< after this time the error stays below REPLAY_CLOSE_deg; NaN: it does not
-    size_t off;        ///< rows with the gates off
+    /// after this time the error stays below REPLAY_CLOSE_deg; NaN: it does not
+    double close_after_s;
+    size_t off; ///< rows with the gates off
     size_t reseeds;
 } replay_t;
 

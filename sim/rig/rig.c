@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stddef.h>
 
-// Of the slow rounds' length: some 600 times a second at 5 kHz.
+// Periods per pass of the main loop: a slow round, about 600 passes per second at 5 kHz.
 #define MAIN_LOOP_PERIODS LODE_SLOW_PERIODS
 // Below this current the chord is not defined.
 #define CHORD_LEAST_A 1e-3

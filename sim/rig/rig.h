@@ -48,8 +48,8 @@ typedef struct {
     lode_learn_tuning_t learn_tuning;
     lode_learn_t learn;
     bool learns; ///< hfi.learn
-    const lode_drive_tuning_t
-        *posts; ///< tuning that the adaptation shall post as soon as it can; NULL: none
+    /// tuning that the adaptation shall post as soon as it can; NULL: none
+    const lode_drive_tuning_t *posts;
     const lode_drive6_tuning_t *posts6; ///< the same for six phases
     bus_t bus;
 } rig_t;

@@ -36,8 +36,8 @@ typedef struct {
     double Lq_off_percent, Lq_confidence;
     uint32_t reseeds;
     char missed[200]; ///< missed bars, in words; empty: none
-    char warning
-        [200]; ///< why the commanded speed was changed or not reached, in words; empty: it was reached
+    /// why the commanded speed was changed or not reached, in words; empty: it was reached
+    char warning[200];
 } runner_phase_t;
 
 /// One entry of the drive's fault log.

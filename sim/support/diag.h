@@ -9,9 +9,8 @@
 #endif
 
 typedef enum {
-    RIG_DONE = 0, ///< done
-    RIG_FAILED =
-        1, ///< the drive faulted, missed a bar or never ran, or the decoded file is damaged
+    RIG_DONE = 0,     ///< done
+    RIG_FAILED = 1,   ///< drive faulted, missed a bar or never ran; decoded file damaged
     RIG_BAD_INPUT = 2 ///< the command line or a file is not usable
 } rig_exit_t;
 

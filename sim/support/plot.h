@@ -37,7 +37,7 @@ typedef struct {
     FILE *drawn; ///< the picture; when complete it is copied to the given file or its page
 } plot_t;
 
-/// Starts gnuplot with its output in `output`, `width` x `height` pixels. `title`: of a page. A value that is NaN breaks the
+/// Starts gnuplot with its output in `output`, `width` x `height` pixels. `title`: of a page. A NaN breaks the
 /// line through its neighbours, as an empty line does. False after a message.
 bool plot_start(plot_t *self, const plot_output_t *output, const char *title, int width,
                 int height);

@@ -1,4 +1,4 @@
-/// Machines whose timer is not used: the main loop calls the period, one call is one period.
+/// Machines without a timer: the main loop calls the period, one call per period.
 #include "machine.h"
 #include "plant.h"
 

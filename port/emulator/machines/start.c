@@ -6,7 +6,7 @@
 
 #define EXIT_STOPPED 70 // EX_SOFTWARE of sysexits.h
 
-/// Where the C library's exit() ends, after it has written what is left of the output.
+/// The end of the C library's exit(), after it has written the remaining output.
 __attribute__((noreturn)) void _exit(int code);
 void _exit(int code) {
     semihost_exit(code);

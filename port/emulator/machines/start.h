@@ -1,19 +1,19 @@
-/// From reset to main(), and what of it all machines share.
+/// From reset to main(): the parts common to all machines.
 #ifndef EMULATOR_START_H
 #define EMULATOR_START_H
 
 #include <stdint.h>
 
-/// Of the linker script.
+/// Symbols of the linker script.
 extern uint32_t stack_end[], data_load[], data_begin[], data_end[], bss_begin[], bss_end[];
 
 int main(void);
 void reset_handler(void);
-/// Memory, main(), and the end of the emulation with what main() returns.
+/// Sets up memory, calls main(), and ends the emulation with its return value.
 void emulator_main(void);
-/// A fault, or an interrupt that nobody expects: exit code 70.
+/// A fault or an unexpected interrupt: exit code 70.
 void emulator_stop(void);
-/// Of the machine with a timer; emulator_stop() where an image has none.
+/// Interrupt of a machine with a timer; emulator_stop() in an image without one.
 void timer_handler(void);
 
 #endif

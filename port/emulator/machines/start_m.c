@@ -23,7 +23,7 @@ void reset_handler(void) {
     emulator_main();
 }
 
-// A vector that is not named is 0: taken all the same, it ends in the hard fault.
+// A vector that is not named is 0; if taken, it ends in the hard fault.
 __attribute__((section(".vectors"), used)) static const vector_t vectors[] = {
     [0] = {.stack = stack_end},
     [1] = {.handler = reset_handler},

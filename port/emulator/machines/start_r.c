@@ -1,7 +1,7 @@
 /// Cortex-R5F: stack, FPU, and exceptions that end the emulation.
 #include "start.h"
 
-// Entered by the loader at its address; exceptions come to the table at 0.
+// The loader enters here; exceptions use the table at 0.
 __attribute__((naked)) void reset_handler(void) {
     __asm__ volatile("ldr sp, =stack_end\n"
                      "mrc p15, 0, r0, c1, c0, 2\n"
@@ -23,6 +23,6 @@ __attribute__((section(".vectors"), naked, used)) static void vectors(void) {
                      "b stopped\n" // IRQ
                      "b stopped\n" // FIQ
                      "stopped:\n"
-                     "ldr sp, =stack_end\n" // the exception's own stack is not set up
+                     "ldr sp, =stack_end\n" // the exception mode has no stack of its own
                      "b emulator_stop\n");
 }

@@ -35,8 +35,8 @@
 #define VARIANT_I_OFFSET_TOL_count 200.0f
 #define VARIANT_V_BUS_GAIN_V_count                                                                 \
     (VARIANT_V_REF_V / VARIANT_COUNTS * (82.0f + 4.99f) / 4.99f) // 82 kOhm over 4.99 kOhm
-#define VARIANT_T_GAIN_degC_count                                                                  \
-    0.0f // no input is left for a temperature; the driver has its own limit
+// No input is left for a temperature; the driver has its own limit.
+#define VARIANT_T_GAIN_degC_count 0.0f
 #define VARIANT_T_OFFSET_degC 0.0f
 #define VARIANT_T_MAX_degC 0.0f // 0: the default of the library
 #define VARIANT_SETTLE_ns 1500.0f
