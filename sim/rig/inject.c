@@ -71,7 +71,7 @@ const inject_kind_t inject_kinds[] = {
     {"flip-tuning", "a bit of the tuning flips (16 bits tried)", INJECT_FLIP_TUNING, true, 0.0},
     {"flip-state", "a bit of the drive's state flips (16 bits tried)", INJECT_FLIP_STATE, true,
      0.0},
-    {"flip-mode", "a bit of the mode flips (8 bits tried)", INJECT_FLIP_MODE, true, 0.0},
+    {"flip-mode", "a bit of the mode flips (each of 8 bits, twice)", INJECT_FLIP_MODE, true, 0.0},
     {"flip-command", "a bit of the command flips (16 bits tried)", INJECT_FLIP_COMMAND, true, 0.0},
 };
 const int inject_kind_count = (int)(sizeof inject_kinds / sizeof inject_kinds[0]);
