@@ -7,7 +7,7 @@
 #define STEP_SHARE 0.4f  // of the holding current, in both directions
 #define STEP_SIX 0.2f    // in q of six phases, two of which carry a quarter of the holding current
 #define STEP_SPREAD 0.2f // growth over all steps, of their mean: each rounds to other counts
-#define HALF_WAVE (LODE_SLOW_PERIODS + 1u) // out of step with the looks at a frozen vector (K36)
+#define HALF_WAVE 8u     // periods
 #define WAVES 68u
 #define WAVES_BESIDE 30u // at the other two currents
 #define HOLD_TIME_s 0.1f
@@ -30,8 +30,6 @@
 #define FALL_Q_MIDDLE 0.5f // of i_max, as the next
 #define FALL_Q_HIGH 0.75f  // within i_max with the holding current and an overshoot
 #define FALL_HALVES 6u
-// Least length: the first half-wave, which has half of it, must be longer than the interval of these looks (K36).
-#define FALL_HALF_WAVE (2u * HALF_WAVE)
 #define FALL_VOLTAGE 0.75f   // of the circle, for the change from one peak to the other
 #define FALL_LONGEST_s 0.05f // a longer half-wave would move the rotor
 #define FALL_LEAST 0.05f     // a smaller fall counts as none
@@ -284,7 +282,7 @@ static uint32_t half_wave_periods(const lode_commission_t *self) {
     const float swing_Vs =
         2.0f * FALL_Q_HIGH * inverter->i_max_A * lode_commission_found(self, LODE_COMMISSION_LQ_H);
     const float u_V = FALL_VOLTAGE * inverter->v_bus_V / LODE_SQRT3;
-    return FALL_HALF_WAVE +
+    return HALF_WAVE +
            lode_commission_periods(self, lode_clamp(swing_Vs / u_V, 0.0f, FALL_LONGEST_s));
 }
 

@@ -61,7 +61,7 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 #define SIGMA_RUN_UP 17.0f
 // Upper bounds, for the observer (0.2 w0) and for sampling ...
 #define SIGMA_RATED_MAX 0.66f
-#define OMEGA_HIGH_SHARE 0.2f // rated speed: up to there sigma rises by default
+#define OMEGA_HIGH_SHARE 0.2f // omega_high over rated speed, by default
 #define SIGMA_TS_MAX 0.07f
 // ... and lower where the start current weakens the active flux, because an error of Lq - Ld then turns the angle. With MTPA
 // the d current moves with the torque, and such an error turns the angle twice; with half of the flux lost (the largest start
@@ -84,17 +84,15 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 // Magnets' EMF at the end of a start, over the error that noise makes in it (S49).
 #define EMF_PER_NOISE 10.0f
 
-// (P28): a hand-over beyond omega_high of the default schedule leaves room for more: the effect of an error of Lq - Ld depends on
-// sigma over the speed.
-static float late_handover(const lode_drive_config_t *config) {
-    const float high_rad_s = OMEGA_HIGH_SHARE * config->motor.omega_rated_rad_s;
-    return lode_max(config->start.omega_handover_rad_s / lode_max(high_rad_s, FLT_MIN), 1.0f);
+// (P28): the effect of an error of Lq - Ld depends on sigma over the speed. A late hand-over leaves room for more.
+static float fast_enough_rad_s(const lode_drive_config_t *config) {
+    return lode_max(config->motor.omega_rated_rad_s,
+                    config->start.omega_handover_rad_s / OMEGA_HIGH_SHARE);
 }
 
 static float sigma_of_kind(const lode_drive_config_t *config, float sigma_rad_s) {
     const float most =
-        lode_min(SIGMA_OBSERVER * late_handover(config) * config->motor.omega_rated_rad_s,
-                 SIGMA_TS_OBSERVER * config->f_pwm_Hz);
+        lode_min(SIGMA_OBSERVER * fast_enough_rad_s(config), SIGMA_TS_OBSERVER * config->f_pwm_Hz);
     const float sigma = lode_pll_times(config->estimator.pll.kind) * sigma_rad_s;
     return lode_min(sigma, lode_max(sigma_rad_s, most));
 }
@@ -105,9 +103,8 @@ static float sigma_of_light_rotor(const lode_drive_config_t *config) {
     const float left =
         lode_max(1.0f - SIGMA_FLUX_LOST * lost / lode_max(motor->psi_Wb, FLT_MIN), 0.0f);
     const float share = config->references.kind == LODE_REFERENCES_MTPA ? left * left : left;
-    const float most =
-        lode_min(SIGMA_RATED_MAX * late_handover(config) * share * motor->omega_rated_rad_s,
-                 SIGMA_TS_MAX * config->f_pwm_Hz);
+    const float most = lode_min(SIGMA_RATED_MAX * share * fast_enough_rad_s(config),
+                                SIGMA_TS_MAX * config->f_pwm_Hz);
     const float run_up_s = lode_motor_run_up_s(motor, config->inverter.i_max_A);
     return sigma_of_kind(config, lode_min(SIGMA_RUN_UP / lode_max(run_up_s, FLT_MIN), most));
 }

@@ -10,6 +10,7 @@
 #define HOT_WINDING 2.0f
 #define MISSED 0.05f
 #define WOUND_UP 0.34f
+#define WINDS_UP 0.05f // with less of the current missed: the voltage rises slowly then
 // A current that jumps (K38).
 #define VOLTAGE_JUMP 2.5f // times the change that the voltage makes
 #define TAKEN_JUMP 2.0f   // least current, times what dead time and drops may take from a phase
@@ -135,11 +136,11 @@ static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, u
 // (S44). The current keeps its counts off its reference, with more voltage than resistance, dead time and the EMF of a rotor
 // that follows the start's vector take: stuck ADC channels, for which current control winds up, or for a few checks a rotor
 // that swings.
-static bool is_wound_up(const lode_drive_t *self) {
+static float wound_up(const lode_drive_t *self) {
     const lode_start_t *start = &self->state.start;
     if (lode_mode(self) != LODE_MODE_START || lode_start_catches(start) ||
         lode_estimator_injects(&self->estimator)) {
-        return false; // no vector with a current
+        return 0.0f; // no vector with a current
     }
     const lode_emf_tuning_t *emf = &self->tuning->estimator.emf;
     const lode_references_tuning_t *motor = &self->tuning->references;
@@ -149,8 +150,11 @@ static bool is_wound_up(const lode_drive_t *self) {
     const float most_V = hold_of(self).taken_V + HOT_WINDING * R_Ohm * current_A +
                          flux_Wb * lode_abs(start->omega_rad_s);
     const lode_dq_t missed_A = {self->ref_A.d - self->i_A.d, self->ref_A.q - self->i_A.q};
-    return squared(missed_A) > MISSED * MISSED * current_A * current_A &&
-           squared(self->u_V) > most_V * most_V;
+    const float count_A = (float)LODE_COUNT_FRACTION * self->tuning->sense.i_gain;
+    if (!(squared(self->u_V) > most_V * most_V) || !(squared(missed_A) > count_A * count_A)) {
+        return 0.0f;
+    }
+    return squared(missed_A) > MISSED * MISSED * current_A * current_A ? WOUND_UP : WINDS_UP;
 }
 
 // Turn of the vector since the last check, `looks` times LODE_GUARD_PERIODS ago. The damping of a start may turn the vector
@@ -171,9 +175,7 @@ LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, 
 // dead time, but not for a full turn.
 static uint32_t doubt_of_all(const lode_drive_t *self, lode_plausibility_t *watch, uint32_t doubt,
                              bool follows) {
-    if (is_wound_up(self)) {
-        lode_plausibility_add(watch, &self->tuning->plausibility, WOUND_UP);
-    }
+    lode_plausibility_add(watch, &self->tuning->plausibility, wound_up(self));
     return follows || lode_abs(watch->turn_rad) >= LODE_TWO_PI ? doubt : 0u;
 }
 

@@ -203,8 +203,7 @@ static bool is_motor(const lode_fly_t *self, const lode_fly_tuning_t *tuning, fl
                      float omega, const lode_fly_given_t *given) {
     const float seen_V = emf_V(given, i_abs_A);
     const float induced_V = given->psi_Wb * lode_abs(omega);
-    return lode_abs(omega) >= LEAST_SHARE * given->omega_handover &&
-           seen_V <= FLUX_HIGH * induced_V * pulse_share(self) &&
+    return seen_V <= FLUX_HIGH * induced_V * pulse_share(self) &&
            seen_V >= FLUX_LOW * induced_V * (pulse_share(self) - share_blind(tuning, given));
 }
 
@@ -285,12 +284,15 @@ static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
     const bool turns = lode_abs(self->turned_rad) >= TURN_LEAST_rad && on_line;
     const float gap_s = given->ts_s * (float)(int32_t)gap_periods(self);
     const float omega = line.slope_rad / gap_s;
-    if (turns && is_motor(self, tuning, mean_A, omega, given)) {
+    const bool fast = lode_abs(omega) >= LEAST_SHARE * given->omega_handover;
+    const bool fits = is_motor(self, tuning, mean_A, omega, given);
+    const bool noisy = early && !on_line && mean_A < NOISY * self->noise_A;
+    if (turns && fast && fits) {
         find(self, given, &line, omega);
-    } else if (turns || (early && mean_A < NOISY * self->noise_A)) {
+    } else if (noisy || (turns && fast)) {
         try_again(self, tuning);
     } else {
-        self->rests = 1u;
+        self->rests = (uint_least8_t)(turns ? 0u : 1u);
         enter(self, (uint_least8_t)LODE_FLY_SLOW);
     }
 }

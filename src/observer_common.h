@@ -14,7 +14,8 @@
 // The default of w0.
 LODE_INLINE void observer_design_w0(lode_observer_config_t *config, float omega_rated_rad_s,
                                     float sigma_rad_s, float ts_s) {
-    const float by_speed = lode_max(W0_PER_OMEGA_RATED * omega_rated_rad_s, W0_PER_SIGMA * sigma_rad_s);
+    const float by_speed =
+        lode_max(W0_PER_OMEGA_RATED * omega_rated_rad_s, W0_PER_SIGMA * sigma_rad_s);
     const float w0 = lode_min(by_speed, W0_TS_MAX / ts_s);
     config->w0_rad_s = lode_given_or(config->w0_rad_s, w0);
 }

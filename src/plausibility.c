@@ -310,15 +310,15 @@ bool lode_frozen_look(lode_frozen_t *self, const lode_plausibility_tuning_t *tun
     const uint32_t before = self->looks;
     if (before == 0u) {
         self->asked_A = asked_A;
-        self->moved = false;
+        self->way_A = (lode_ab_t){0.0f, 0.0f};
     }
     self->looks = (uint_least16_t)(before < LODE_FROZEN_LOOKS ? before + 1u : before);
-    const float alpha = asked_A.alpha - self->asked_A.alpha;
-    const float beta = asked_A.beta - self->asked_A.beta;
-    const bool moved = alpha * alpha + beta * beta >= tuning->moves_A2;
-    const bool twice = moved && self->moved; // control moves the current within one interval
-    self->moved = moved;
-    return twice;
+    const lode_ab_t way_A = lode_ab_subtract(asked_A, self->asked_A);
+    const bool moved = lode_ab_length2(way_A) >= tuning->moves_A2;
+    // Control moves the current within one interval. A reference that goes the other way meanwhile may meet it on its way back.
+    const bool same_way = way_A.alpha * self->way_A.alpha + way_A.beta * self->way_A.beta > 0.0f;
+    self->way_A = moved ? way_A : (lode_ab_t){0.0f, 0.0f};
+    return moved && same_way;
 }
 
 bool lode_frozen_turned(const lode_frozen_t *self, float turn_rad) {

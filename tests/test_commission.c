@@ -346,7 +346,7 @@ static double grown_A(double hold_A, int half, int halves) {
     return (half % 2 == 0 ? share : -share) * hold_A;
 }
 
-/// Steps of 40 % of what holds, nine periods each, one more than from one look at a frozen vector to the next; the other axis rests. In d about three currents, after 0.1 s and then
+/// Steps of 40 % of what holds, eight periods each; the other axis rests. In d about three currents, after 0.1 s and then
 /// 0.02 s, in q about one: 68 waves, and 30 about the highest and the lowest in d. With a rate of which no time is a whole
 /// number of periods.
 static void test_steps_of_the_current(void) {
@@ -366,8 +366,8 @@ static void test_steps_of_the_current(void) {
             n = 0;
         }
         const double hold_A = parts[k].hold * (double)rig.commission.current_A;
-        for (int m = -parts[k].begin; m <= 9 * parts[k].halves; m++, n++) {
-            const double step_A = m < 0 ? 0.0 : grown_A(hold_A, m / 9, parts[k].halves);
+        for (int m = -parts[k].begin; m <= 8 * parts[k].halves; m++, n++) {
+            const double step_A = m < 0 ? 0.0 : grown_A(hold_A, m / 8, parts[k].halves);
             CHECK_NEAR(1.0e-4, hold_A + (k < 3 ? step_A : 0.0), trace.asked[n].d);
             CHECK_NEAR(1.0e-4, k < 3 ? 0.0 : step_A, trace.asked[n].q);
         }
@@ -383,10 +383,9 @@ static void test_large_waves(void) {
     begin_trace(LQ_FALL, &c, &config);
     const double hold_A = 0.7 * (double)rig.commission.current_A;
     const double amplitude_A[] = {0.4 * hold_A, 0.5 * 12.0, 0.75 * 12.0};
-    // As long as the largest needs with three quarters of the voltage, and 18 periods more: half of it is longer than from one look at a frozen vector to the
-    // next.
+    // As long as the largest needs with three quarters of the voltage, and eight periods more.
     const double need_s = 2.0 * 9.0 * c.Lq_H / (0.75 * 200.0 / sqrt(3.0));
-    const int half = 18 + (int)(need_s * 5.0e3 + 0.5);
+    const int half = 8 + (int)(need_s * 5.0e3 + 0.5);
     const int length = 100 + 3 + 7 * half - half / 2 + 1;
     TEST_ASSERT_EQUAL(3 * length, trace.count);
     for (int n = 0; n < trace.count; n++) {
@@ -1484,19 +1483,19 @@ static void test_next_to_no_current_is_none(void) {
 
 static void scatter_once(rig_t *r) {
     lode_commission_t *k = &r->commission;
-    if (k->stage == LD && k->level == 1u && k->since == 100u + 2u * 9u * 68u) {
+    if (k->stage == LD && k->level == 1u && k->since == 100u + 2u * 8u * 68u) {
         k->sums.steps.yy *= 1.05f;
     }
 }
 
-/// Of 1224 steps whose scatter explains 5 % of their squares the mean is off by sqrt(0.05/1224), where 1 % is allowed.
+/// Of 1088 steps whose scatter explains 5 % of their squares the mean is off by sqrt(0.05/1088), where 1 % is allowed.
 static void test_how_sure_an_inductance_is(void) {
     const plant_config_t c = machine();
     const lode_drive_config_t config = sheet();
     begin(&c, &config, scatter_once);
     rig.watch = never_more;
     expect(LODE_COMMISSION_DONE);
-    CHECK_NEAR(0.02, sure_by(sqrt(0.05 / 1224.0), 0.01),
+    CHECK_NEAR(0.02, sure_by(sqrt(0.05 / 1088.0), 0.01),
                rig.commission.found[LODE_COMMISSION_LD_H].confidence);
 }
 

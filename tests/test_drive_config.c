@@ -617,6 +617,7 @@ static lode_pll_config_t pll_with(double inertia, float Lq_H, lode_references_ki
     config.motor.J_kgm2 *= (float)inertia;
     config.motor.Lq_H = Lq_H;
     config.references.kind = kind;
+    config.start.omega_handover_rad_s = (float)(0.2 * PAPER_OMEGA_RATED); // no (P28)
     lode_drive_design(&config);
     return config.estimator.pll;
 }
@@ -650,6 +651,25 @@ static void test_speed_control_knows_its_delays(void) {
 }
 
 /// (P21), by a hand-over that is given; bounded by the inertia and by the sampling; not where any is given.
+/// (P28): of a hand-over beyond a fifth of rated speed, five times its speed counts for the rated one. The observer follows (P10).
+static void test_a_late_hand_over_leaves_room_for_sigma(void) {
+    for (int n = 0; n < 2; n++) {
+        const double times = n == 0 ? 1.0 : 1.5;
+        lode_drive_config_t config = minimal();
+        config.motor.J_kgm2 *= 1.0e-2f;
+        config.motor.Lq_H = config.motor.Ld_H;
+        config.f_pwm_Hz = 20000.0f;
+        config.references.field_weakening = LODE_ON; // no (P21)
+        config.start.omega_handover_rad_s = (float)(0.2 * times * PAPER_OMEGA_RATED);
+        lode_drive_design(&config);
+        const double sigma = 0.66 * times * PAPER_OMEGA_RATED;
+        CHECK_CLOSE(1.0e-4, sigma, config.estimator.pll.sigma_low_rad_s);
+        CHECK_CLOSE(1.0e-4, sigma, config.estimator.pll.sigma_rad_s);
+        CHECK_CLOSE(1.0e-4, fmax(4.25 * PAPER_OMEGA_RATED, 5.05 * sigma),
+                    config.estimator.emf.w0_rad_s);
+    }
+}
+
 static void test_a_late_hand_over_stretches_the_schedule(void) {
     const double high = 0.2 * PAPER_OMEGA_RATED;
     lode_drive_config_t config = minimal();
@@ -754,6 +774,7 @@ static void test_a_qpll_has_more_sigma(void) {
     lode_drive_config_t config = minimal();
     config.estimator.pll.kind = LODE_PLL_QPLL;
     config.motor.Lq_H = config.motor.Ld_H;
+    config.start.omega_handover_rad_s = (float)(0.2 * PAPER_OMEGA_RATED); // no (P28)
     const lode_drive_config_t base = config;
     lode_drive_design(&config);
     CHECK_CLOSE(1.0e-3, 1.65 * 0.2122 * PAPER_OMEGA_RATED, config.estimator.pll.sigma_rad_s);
@@ -775,7 +796,7 @@ static void test_a_qpll_has_more_sigma(void) {
     CHECK_CLOSE(2.0e-3, 0.1 * 3000.0, config.estimator.pll.sigma_low_rad_s);
     config = base;
     config.motor.J_kgm2 *= 0.1f;
-    config.motor.Lq_H = config.motor.Ld_H + 6.0e-3f;
+    config.motor.Lq_H = config.motor.Ld_H + 10.0e-3f; // which leaves sigma_low alone
     config.start.current_A = 11.0f;
     config.start.omega_handover_rad_s = (float)(0.3 * PAPER_OMEGA_RATED);
     lode_drive_design(&config);
@@ -973,6 +994,7 @@ int main(void) {
     RUN_TEST(test_FA_LESO_by_field_weakening_and_injection);
     RUN_TEST(test_field_weakening_has_its_estimators);
     RUN_TEST(test_a_late_hand_over_stretches_the_schedule);
+    RUN_TEST(test_a_late_hand_over_leaves_room_for_sigma);
     RUN_TEST(test_a_light_rotor_with_mtpa_has_a_tenth_more_sigma);
     RUN_TEST(test_motors_of_many_kinds_need_no_more);
     RUN_TEST(test_every_needed_field_at_its_limits);

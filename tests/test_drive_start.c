@@ -349,7 +349,7 @@ static void test_a_flight_begins_with_the_emf(void) {
 static void test_off_ends_the_pulses(void) {
     rig_t rig = coasting(150.0);
     rig_command(&rig, run_at(150.0));
-    rig_run(&rig, 5.0 * RIG_TS_s);
+    rig_run(&rig, 13.0 * RIG_TS_s); // noise is measured first
     TEST_ASSERT_EQUAL_INT(LODE_GATES_LOW, rig.out.gates);
     rig_command(&rig, off);
     rig_step(&rig);

@@ -226,7 +226,7 @@ static void test_converters_stuck_in_a_start_trip_before_the_current_is_large(vo
                 lode_check_name((lode_check_t)rig_telemetry(&rig).fault.check));
             // A current that is what is asked for does no harm until that changes.
             if (kept == 1) {
-                CHECK_AT_MOST(2.5 * 12.0, most_A);
+                CHECK_AT_MOST(2.0 * 12.0, most_A);
             } else {
                 CHECK_AT_MOST(5.0e-3, time_s);
             }

@@ -652,7 +652,7 @@ static void test_noise_does_not_move_a_frozen_vector(void) {
 /// Looks with a current asked for that turns by `turn_rad` a look, of `i_A`: those until it is frozen, at most `most`.
 static int looks_until_frozen(double i_A, double turn_rad, bool follows, int most) {
     const bench_t self = bench(3.0, 300.0);
-    lode_frozen_t frozen = {.looks = 0u, .moved = true};
+    lode_frozen_t frozen = {.looks = 0u, .way_A = {1.0f, 1.0f}};
     for (int look = 1; look < most; look++) {
         const double theta = turn_rad * look;
         const lode_ab_t asked_A = {(float)(i_A * cos(theta)), (float)(i_A * sin(theta))};
@@ -683,11 +683,29 @@ static void test_a_frozen_vector_is_missed_at_two_looks_in_a_row(void) {
         const lode_ab_t asked_A = {look % 2 == 1 ? 2.0f : 0.0f, 0.0f};
         TEST_ASSERT_FALSE(lode_frozen_look(&frozen, &self.tuning, asked_A));
     }
-    frozen = (lode_frozen_t){.looks = LODE_FROZEN_LOOKS, .moved = true};
+    frozen = (lode_frozen_t){.looks = LODE_FROZEN_LOOKS, .way_A = {1.0f, 0.0f}};
     const lode_ab_t none = {0.0f, 0.0f};
     TEST_ASSERT_FALSE(lode_frozen_look(&frozen, &self.tuning, none));
     TEST_ASSERT_EQUAL_UINT(LODE_FROZEN_LOOKS, frozen.looks);
-    TEST_ASSERT_FALSE(frozen.moved);
+    CHECK_NEAR(0.0, 0.0, frozen.way_A.alpha);
+}
+
+/// A reference that goes to the other side meanwhile: the current may be seen on its way through where it was.
+static void test_a_reference_that_alternates_freezes_nothing(void) {
+    const bench_t self = bench(3.0, 300.0);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int angle = 0; angle < 8; angle++) {
+            const lode_sincos_t at = lode_sincos(0.7854f * (float)angle);
+            lode_frozen_t frozen = {.looks = 0u};
+            TEST_ASSERT_FALSE(lode_frozen_look(&frozen, &self.tuning, (lode_ab_t){5.0f, 5.0f}));
+            float way = 2.0f;
+            for (int look = 0; look < 20; look++, way *= (float)sign) {
+                const lode_ab_t asked_A = {5.0f + way * at.cos, 5.0f + way * at.sin};
+                const bool frozen_now = lode_frozen_look(&frozen, &self.tuning, asked_A);
+                TEST_ASSERT_EQUAL(sign > 0 && look > 0, frozen_now);
+            }
+        }
+    }
 }
 
 // --- Load -----------------------------------------------------------------------------------------
@@ -1064,6 +1082,7 @@ int main(void) {
     RUN_TEST(test_noise_does_not_move_a_frozen_vector);
     RUN_TEST(test_a_vector_that_does_not_follow_is_frozen);
     RUN_TEST(test_a_frozen_vector_is_missed_at_two_looks_in_a_row);
+    RUN_TEST(test_a_reference_that_alternates_freezes_nothing);
     RUN_TEST(test_a_load_that_no_torque_holds_is_too_large);
     RUN_TEST(test_a_speed_that_comes_back_was_no_load_too_large);
     RUN_TEST(test_a_braked_rotor_that_gets_faster_for_long);

@@ -71,9 +71,9 @@ typedef struct {
 typedef struct {
     lode_ab_t i_A;     ///< where the current has stopped
     lode_ab_t asked_A; ///< reference at the first look since then
+    lode_ab_t way_A;   ///< of the reference from there, at the last check; 0: it had hardly moved
     uint_least16_t
-        looks;  ///< looks since then, up to LODE_FROZEN_LOOKS; 0: it moves, `asked_A` is not valid
-    bool moved; ///< at the last look the reference had changed by enough
+        looks; ///< looks since then, up to LODE_FROZEN_LOOKS; 0: it moves, `asked_A` is not valid
 } lode_frozen_t;
 
 #define LODE_FROZEN_LOOKS 0xffffu

@@ -34,6 +34,7 @@ typedef struct {
     uint32_t stamp;
     bool trip;
     double sag_V; ///< of the bus, below the nominal one
+    double low_s; ///< for which the low sides have been on
     double angle_error;
 } rig_t;
 
@@ -74,8 +75,11 @@ static inline void rig_move(rig_t *self) {
         m->iq = 0.0;
         m->theta = remainder(m->theta + RIG_TS_s * m->omega, 2.0 * CHECK_PI);
         m->omega += RIG_TS_s * m->acc;
-        if (self->out.gates == LODE_GATES_LOW) { // short-circuited since half of the share ago
-            const double turned = 0.5 * (1.0 - (double)self->applied.a) * RIG_TS_s * m->omega;
+        if (self->out.gates ==
+            LODE_GATES_LOW) { // short-circuited since half of the share ago, or for whole periods
+            const double share = 1.0 - (double)self->applied.a;
+            self->low_s = share < 1.0 ? 0.5 * share * RIG_TS_s : self->low_s + RIG_TS_s;
+            const double turned = self->low_s * m->omega;
             m->id = 0.142 * (cos(turned) - 1.0) / 3.5e-3;
             m->iq = -0.142 * sin(turned) / 9.8e-3;
         }

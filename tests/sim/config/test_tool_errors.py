@@ -129,7 +129,7 @@ REFUSALS = {
     "NOTCH": ["estimator.notch_k=3", "estimator.notch12_k=3"],
     "W_FILTER": ["estimator.w_filter_rad_s=1e6"],
     "PLL_SIGMA": ["estimator.sigma_rad_s=2000", "estimator.sigma_rad_s=110 estimator.sigma_low_rad_s=200"],
-    "PLL_OBSERVER": ["estimator.sigma_rad_s=900", "estimator.w0_rad_s=300"],
+    "PLL_OBSERVER": ["estimator.sigma_rad_s=900 estimator.w0_rad_s=2000", "estimator.w0_rad_s=300"],
     "PLL_SCHEDULE": ["estimator.omega_low_rad_s=200"],
     "LAG": ["estimator.w0_rad_s=510"],
     "EMIN": ["estimator.emin_V=1e4", "motor.psi_Wb=2e-6"],
