@@ -259,7 +259,10 @@ static void find(lode_fly_t *self, const lode_fly_given_t *given, const line_t *
 
 // Enough vectors have been seen.
 static bool is_watched(const lode_fly_t *self, const lode_fly_given_t *given) {
-    const uint32_t least = self->span > 0u ? LONG_VECTORS : TURN_PERIODS;
+    uint32_t least = TURN_PERIODS;
+    if (self->span > 0u) {
+        least = LONG_VECTORS;
+    }
     const bool turned = lode_abs(self->turned_rad) >= TURN_rad;
     const bool late = self->periods * gap_periods(self) >= most_periods(given);
     return self->charged >= given->charge && self->periods >= LONG_VECTORS &&
