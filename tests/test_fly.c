@@ -223,6 +223,31 @@ static void test_vectors_of_noise_are_tried_again(void) {
     TEST_ASSERT_EQUAL_UINT(0u, fly.rests);
 }
 
+/// Vectors that swing by more than the line allows, after 24 of them: small ones are noise, and tried again; large ones are no
+/// rotor's that turns.
+static void test_vectors_that_swing(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    for (int large = 0; large < 2; large++) {
+        lode_fly_t fly;
+        lode_fly_begin(&fly, &tuning);
+        for (int n = 0; n < NOISE_PERIODS; n++) {
+            fly_on(&fly, &tuning, (lode_ab_t){0.0f, 0.05f}, 0.0f);
+        }
+        while (fly.stage == (uint_least8_t)LODE_FLY_GROW) {
+            fly_on(&fly, &tuning, (lode_ab_t){1.3f, 0.0f}, 0.0f);
+        }
+        const float i_A = large == 1 ? 0.21f : 0.19f; // about 4 times the noise
+        for (int k = 0; k < 24; k++) {
+            TEST_ASSERT_EQUAL_INT(LODE_FLY_TURN, fly.stage);
+            const lode_sincos_t at = lode_sincos(k % 2 == 0 ? 0.9f : -0.9f);
+            fly_on(&fly, &tuning, (lode_ab_t){i_A * at.cos, i_A * at.sin}, 0.0f);
+        }
+        TEST_ASSERT_EQUAL_INT(large == 1 ? LODE_FLY_SLOW : LODE_FLY_GROW, fly.stage);
+        TEST_ASSERT_EQUAL_UINT(large == 1 ? 1u : 0u, fly.rests);
+        TEST_ASSERT_EQUAL_UINT(large == 1 ? 0u : 1u, fly.tries);
+    }
+}
+
 /// A current that is seen: by what is missing of a tenth of i_max, to twice the share at most.
 static void test_pulses_lengthen_by_what_is_missing(void) {
     const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
@@ -524,6 +549,7 @@ int main(void) {
     RUN_TEST(test_pulses_of_whole_periods);
     RUN_TEST(test_whole_periods_find_a_rotor_in_noise);
     RUN_TEST(test_vectors_of_noise_are_tried_again);
+    RUN_TEST(test_vectors_that_swing);
     RUN_TEST(test_pulses_lengthen_by_what_is_missing);
     RUN_TEST(test_the_bus_bounds_the_pulses);
     RUN_TEST(test_how_long_vectors_are_seen_to_turn);
