@@ -84,7 +84,7 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 // Magnets' EMF at the end of a start, over the error that noise makes in it (S49).
 #define EMF_PER_NOISE 10.0f
 
-// (P28): the effect of an error of Lq - Ld depends on sigma over the speed. A late hand-over leaves room for more.
+// (P28): a late hand-over allows a larger sigma, as the effect of an error of Lq - Ld depends on sigma over the speed.
 static float fast_enough_rad_s(const lode_drive_config_t *config) {
     return lode_max(config->motor.omega_rated_rad_s,
                     config->start.omega_handover_rad_s / OMEGA_HIGH_SHARE);

@@ -2,14 +2,15 @@
 
 #define PEAK_SHARE 0.8f   // of i_max: current of a pulse at the highest speed (S22)
 #define TARGET_SHARE 0.1f // of i_max, at t_k: by its end a pulse makes twice that
-#define SEEN_SHARE 0.003f // of i_max: some three counts, which show the angle within 10 degrees
-// (S50). Of the rms length of the vectors that noise makes: one of it is longer once in 8000.
-#define SEEN_NOISE 3.0f
-#define SEEN_MORE 1.5f   // times, after a row of vectors of noise
-#define NOISE_PERIODS 8u // of BEGIN, in which noise is measured
-#define SHARE_MAX 0.5f   // the current must decay before the next pulse
-#define FIRST_MAX 0.05f  // of the period: short enough for an EMF close to the bus voltage
-#define DECAY_SHARE 0.8f // of the time in which the current just decays (S23)
+// (S50): least current whose direction is used. 0.003 of i_max are some three counts, which show the angle within 10 degrees. One
+// noise vector in 8000 is longer than three times their rms length.
+#define SEEN_SHARE 0.003f // of i_max
+#define SEEN_NOISE 3.0f   // times the noise
+#define SEEN_MORE 1.5f    // factor for the next try
+#define NOISE_PERIODS 8u  // of BEGIN: noise is measured with the gates off
+#define SHARE_MAX 0.5f    // the current must decay before the next pulse
+#define FIRST_MAX 0.05f   // of the period: short enough for an EMF close to the bus voltage
+#define DECAY_SHARE 0.8f  // of the time in which the current just decays (S23)
 #define FITS 1.2f      // of the longest share: tolerance, as it varies with each sample of the EMF
 #define ACTED_MIN 0.3f // share of a pulse that acts at least, whatever dead time takes
 #define GROWTH 2.0f    // of the part of a pulse that acts but shows nothing: this triples
@@ -18,24 +19,25 @@
 #define TURN_LEAST_rad 0.5f  // ... after this one to some 20 %
 #define SCATTER_MAX_rad 0.5f // rms about the line; noise alone has 1.6 and more
 #define TURN_PERIODS 12u     // periods of TURN, at least
-#define SCATTER_PERIODS 24u  // periods of TURN after which a row of vectors of noise ends
+#define SCATTER_PERIODS 24u  // vectors after which those off the line end TURN
 #define TURN_PART (LODE_SLOW_PERIODS / 2u) // half of catch_rounds, in periods
 // Of omega_handover: a slower rotor is left to START.
 #define LEAST_SHARE 0.75f
 // (S24): bounds of the EMF by the vectors' size, over that of the configured flux. The inductance may be 20 % off.
 #define FLUX_LOW 0.5f
 #define FLUX_HIGH 1.6f
-#define NOISY 4.0f     // times noise: vectors as small may leave the line by noise alone
-#define NOISE_TRIES 3u // after so many rows of vectors that did not turn, the rotor may be at rest
+// (S45): below 4 times the noise, vectors may be off the line because of noise alone.
+#define NOISY 4.0f
+#define NOISE_TRIES 3u   // searches in all; then START looks for the rotor
 #define GONE_SHARE 0.25f // of the target: the current has decayed
 #define SETTLE 2u        // periods from a new share to its first sample
-// Whole periods with the low sides on (S51), where a pulse within a period shows less than half of the target.
+// Pulses of whole periods (S51), used where a pulse within a period shows less than half of the target. With a line EMF of two
+// thirds of the bus, where (S23) allows a share of 0.2667, the current decays in twice the time of the pulse.
 #define LONG_BELOW 0.5f // of the target
-#define LONG_LEAST                                                                                 \
-    0.2667f // share that (S23) allows: with a line EMF of two thirds of the bus the current decays in twice the time
+#define LONG_LEAST 0.2667f
 #define LONG_MOST 16u   // periods
-#define LONG_SEEN 1.5f  // times the least current that is used
-#define LONG_VECTORS 8u // least number of vectors, each of 3n + 2 periods
+#define LONG_SEEN 1.5f  // times the least current: enough, no longer pulse is needed
+#define LONG_VECTORS 8u // least number of vectors
 
 #ifdef LODE_WITHOUT_FLYING_START
 
@@ -100,7 +102,8 @@ static float emf_V(const lode_fly_given_t *given, float i_abs_A) {
     return 2.0f * given->Lq_H / given->ts_s * i_abs_A;
 }
 
-// Length of a pulse as a share of the period: twice the time in which the EMF has acted, as of one that lies about t_k.
+// Pulse length as a share of the period. A pulse of n whole periods ends at t_k, so that the EMF has acted as long as in one of
+// twice its length around t_k.
 static float pulse_share(const lode_fly_t *self) {
     return self->span > 0u ? 2.0f * (float)(int32_t)self->span : self->share;
 }
@@ -138,14 +141,14 @@ static float longest(const lode_fly_t *self, const lode_fly_tuning_t *tuning, fl
     return lode_clamp(DECAY_SHARE * left, window(given->duty_max), SHARE_MAX);
 }
 
-// The rotor's first vector, or none that can be told from noise.
+// Ends GROW with the rotor's first vector, or without one above the noise.
 static void end_grow(lode_fly_t *self, lode_ab_t i_A, bool seen) {
     self->theta_rad = lode_atan2(i_A.beta, i_A.alpha);
     self->rests = (uint_least8_t)(seen ? 0u : 1u); // TURN decides, if there is a vector
     enter(self, (uint_least8_t)(seen ? LODE_FLY_TURN : LODE_FLY_SLOW));
 }
 
-// (S51): periods after which the slowest rotor that is looked for makes a vector.
+// (S51): pulse length at which the slowest rotor in question makes twice the least current.
 static uint32_t longest_span(const lode_fly_t *self, const lode_fly_given_t *given) {
     const float least_A =
         given->psi_Wb * LEAST_SHARE * given->omega_handover * given->ts_s / given->Lq_H;
@@ -153,14 +156,14 @@ static uint32_t longest_span(const lode_fly_t *self, const lode_fly_given_t *giv
     return (uint32_t)(int32_t)lode_clamp(span + 1.0f, 1.0f, (float)LONG_MOST);
 }
 
-// With the pause: the current of the pulses before decays first.
+// Begins with the pause, in which the current of earlier pulses decays.
 static void begin_span(lode_fly_t *self, uint32_t span) {
     self->span = (uint_least8_t)span;
     self->cycle = (uint_least8_t)(span + 1u);
     self->share = 0.0f;
 }
 
-// One vector of a pulse of whole periods.
+// GROW with pulses of whole periods: one sample.
 static void lengthen(lode_fly_t *self, lode_ab_t i_A, const lode_fly_given_t *given) {
     const uint32_t most = longest_span(self, given);
     const uint32_t span = self->span;
@@ -231,7 +234,8 @@ static void note_vector(lode_fly_t *self, lode_ab_t i_A) {
     self->square_rad2 += self->turned_rad * self->turned_rad;
 }
 
-// A vector of noise was taken for the rotor's, or its current adds up: with another share it may be seen.
+// A noise vector passed for the rotor's, or the current of one pulse was not gone before the next. Another pulse length may show
+// the rotor.
 static void try_again(lode_fly_t *self, const lode_fly_tuning_t *tuning) {
     const uint32_t tries = self->tries + 1u;
     *self = (lode_fly_t){.noise_A = self->noise_A,
@@ -244,7 +248,7 @@ static void try_again(lode_fly_t *self, const lode_fly_tuning_t *tuning) {
     }
 }
 
-// The rotor is known.
+// Angle and speed are known.
 static void find(lode_fly_t *self, const lode_fly_given_t *given, const line_t *line, float omega) {
     // (S21): the current lags the rotor by a quarter turn, and by what the rotor turns during the pulse.
     const float half_rad = 0.25f * pulse_share(self) * given->ts_s * omega;
@@ -257,7 +261,7 @@ static void find(lode_fly_t *self, const lode_fly_given_t *given, const line_t *
     enter(self, (uint_least8_t)LODE_FLY_COAST);
 }
 
-// Enough vectors have been seen.
+// Whether TURN has watched long enough.
 static bool is_watched(const lode_fly_t *self, const lode_fly_given_t *given) {
     uint32_t least = TURN_PERIODS;
     if (self->span > 0u) {
@@ -283,7 +287,7 @@ static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
     if (!enough && on_line) {
         return;
     }
-    // (S45): vectors of an offset do not turn, those of a rotor that comes to rest do not stay on a line.
+    // (S45): vectors of an offset do not turn. Those of a rotor that comes to rest leave the line.
     const bool turns = lode_abs(self->turned_rad) >= TURN_LEAST_rad && on_line;
     const float gap_s = given->ts_s * (float)(int32_t)gap_periods(self);
     const float omega = line.slope_rad / gap_s;
@@ -309,7 +313,7 @@ static void coast(lode_fly_t *self, const lode_fly_given_t *given, lode_ab_t i_A
     }
 }
 
-// With the EMF above the bus the diodes conduct, and their current would hide that of the pulses. Else there is noise (S50).
+// With the EMF above the bus the diodes conduct, and their current would hide that of the pulses. Less current is noise (S50).
 static void begin(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A,
                   const lode_fly_given_t *given) {
     self->periods++;
@@ -329,7 +333,7 @@ static void begin(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i
     }
 }
 
-// (S51): n periods on, the sample at their end, and 2n + 1 off while the current decays. True: the sample is `i_A`.
+// (S51): 2n + 1 periods off, n on, then the sample. True: the present current is that sample.
 static bool is_sampled(lode_fly_t *self, const lode_fly_given_t *given) {
     const uint32_t span = self->span;
     const uint32_t cycle = self->cycle + 1u;
