@@ -210,6 +210,13 @@ static bool is_motor(const lode_fly_t *self, const lode_fly_tuning_t *tuning, fl
            seen_V >= FLUX_LOW * induced_V * (pulse_share(self) - share_blind(tuning, given));
 }
 
+// By the EMF at the speed found the pulses were too long for the current to decay (S23): it has added up.
+static bool adds_up(const lode_fly_t *self, float omega, const lode_fly_given_t *given) {
+    const float line_V = LODE_SQRT3 * given->psi_Wb * lode_abs(omega);
+    const float most = DECAY_SHARE * (1.0f - line_V / lode_max(given->v_bus_V, FLT_MIN));
+    return self->span > 0u ? most < LONG_LEAST : self->share > FITS * most;
+}
+
 // (S25): line through the angles of TURN, by least squares. Noise of the last angle alone would be an error of the angle,
 // noise of the first and the last one an error of the speed.
 static line_t line_of(const lode_fly_t *self) {
@@ -234,8 +241,7 @@ static void note_vector(lode_fly_t *self, lode_ab_t i_A) {
     self->square_rad2 += self->turned_rad * self->turned_rad;
 }
 
-// A noise vector passed for the rotor's, or the current of one pulse was not gone before the next. Another pulse length may show
-// the rotor.
+// A noise vector passed for the rotor's, or the current adds up. Another pulse length may show the rotor.
 static void try_again(lode_fly_t *self, const lode_fly_tuning_t *tuning) {
     const uint32_t tries = self->tries + 1u;
     *self = (lode_fly_t){.noise_A = self->noise_A,
@@ -296,7 +302,7 @@ static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_
     const bool noisy = early && !on_line && mean_A < NOISY * self->noise_A;
     if (turns && fast && fits) {
         find(self, given, &line, omega);
-    } else if (noisy || (turns && fast)) {
+    } else if (noisy || (turns && fast && adds_up(self, omega, given))) {
         try_again(self, tuning);
     } else {
         self->rests = (uint_least8_t)(turns ? 0u : 1u);

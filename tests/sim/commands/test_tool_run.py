@@ -203,10 +203,12 @@ def never_ran(checks, folder):
         checks.equal([result["passed"], result["never_ran"]], [not says, bool(says)], f"JSON of {phases!r}")
         words = f"\nRUN was commanded and never reached; {says} at the end\n\nFAILED: "
         checks.equal(words in done.stdout, bool(says), f"{phases!r}: {done.stdout}")
-    # A motor told with twice its inductances is taken over, lost, and started again and again.
-    told = ["--set", "motor.Ld_H=8e-3", "--set", "motor.Lq_H=34e-3"]
-    true = ["--set", "plant.Ld_H=4e-3", "--set", "plant.Lq_H=17e-3"]
-    done = folder.run("run", "--motor", "pmsyrm_5kW", "--drive", "pmsyrm_5kW", *told, *true, "--json", "n.json")
+    # A rotor that is lost, with half of Lq where nothing learns it, and not caught again when the scenario ends.
+    scenario = (SOURCE / "sim/data/scenarios/zero_mismatch.ini").read_text(encoding="utf-8")
+    scenario = scenario.replace("= ../", f"= {SOURCE / 'sim/data'}/")
+    first, lost = scenario.split("[phase.learn_x0_5]\n")
+    folder.write("lost.ini", first + "[phase.lost]\n" + re.sub(r"duration_s = .*", "duration_s = 0.3", lost.split("\n\n")[0], count=1) + "\n")
+    done = folder.run("run", "lost.ini", "--set", "hfi.learn=off", "--json", "n.json")
     result = folder.json("n.json")
     checks.equal([done.returncode, result["passed"], result["never_ran"], result["starts_yet"]], [1, False, False, True], done.stdout)
     words = f"\nRUN was lost and not reached again: {result['retries']} start attempts failed\n\nFAILED: "
