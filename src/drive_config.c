@@ -61,7 +61,9 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 #define SIGMA_RUN_UP 17.0f
 // Upper bounds, for the observer (0.2 w0) and for sampling ...
 #define SIGMA_RATED_MAX 0.66f
-#define OMEGA_HIGH_SHARE 0.2f // omega_high over rated speed, by default
+#define LATE_SLOPE                                                                                 \
+    10.0f // (P28): from a hand-over at 0.35 of rated speed on, 2.5 times at half of it
+#define LATE_BASE 3.5f
 #define SIGMA_TS_MAX 0.07f
 // ... and lower where the start current weakens the active flux, because an error of Lq - Ld then turns the angle. With MTPA
 // the d current moves with the torque, and such an error turns the angle twice; with half of the flux lost (the largest start
@@ -86,8 +88,8 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 
 // (P28): a late hand-over allows a larger sigma, as the effect of an error of Lq - Ld depends on sigma over the speed.
 static float fast_enough_rad_s(const lode_drive_config_t *config) {
-    return lode_max(config->motor.omega_rated_rad_s,
-                    config->start.omega_handover_rad_s / OMEGA_HIGH_SHARE);
+    const float rated = config->motor.omega_rated_rad_s;
+    return lode_max(rated, LATE_SLOPE * config->start.omega_handover_rad_s - LATE_BASE * rated);
 }
 
 static float sigma_of_kind(const lode_drive_config_t *config, float sigma_rad_s) {

@@ -117,13 +117,18 @@ static lode_hold_t hold_of(const lode_drive_t *self) {
                          .x_Ohm = Lq_H * lode_mode_frame_omega(self)};
 }
 
+// 1 .. 3; 0: all three.
+static uint32_t phase_of(lode_finding_t found) {
+    return (uint32_t)lode_clamp(found.measured, 0.0f, (float)LODE_PHASES);
+}
+
 static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, uint32_t doubt) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const float A_per_count = lode_abs(tuning->sense.i_gain);
     lode_finding_t found = lode_plausibility_find(
         watch, &tuning->plausibility, doubt, tuning->guard.lock_looks, hold_of(self), A_per_count);
     if (found.check == LODE_CHECK_CURRENT_STUCK && tuning->sense.two_shunts == 0u &&
-        lode_plausibility_is_open(watch, (uint32_t)found.measured, A_per_count)) {
+        lode_plausibility_is_open(watch, phase_of(found), A_per_count)) {
         found.check = LODE_CHECK_OPEN_PHASE; // without noise an open phase keeps its count too
     }
     if (found.check != LODE_CHECK_NONE) {

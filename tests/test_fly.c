@@ -248,6 +248,23 @@ static void test_vectors_that_swing(void) {
     }
 }
 
+/// Vectors that are too large for the speed: where the pulses leave the current no time to decay, shorter ones are tried; else
+/// it is another motor.
+static void test_a_current_that_adds_up_is_tried_again(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    for (int n = 0; n < 2; n++) {
+        const double omega = n == 0 ? 700.0 : 200.0; // 172 or 49 V of the bus's 200
+        lode_fly_t fly = {.stage = (uint_least8_t)LODE_FLY_TURN, .share = 0.3f, .seen_A = 0.036f};
+        for (int k = 1; fly.stage == (uint_least8_t)LODE_FLY_TURN && k < STEPS_MAX; k++) {
+            const lode_sincos_t at = lode_sincos((float)(omega * (double)PAPER_TS_s * k));
+            fly_on(&fly, &tuning, (lode_ab_t){5.0f * at.cos, 5.0f * at.sin}, 0.0f);
+        }
+        TEST_ASSERT_EQUAL_INT(n == 0 ? LODE_FLY_GROW : LODE_FLY_SLOW, fly.stage);
+        TEST_ASSERT_EQUAL_UINT(n == 0 ? 1u : 0u, fly.tries);
+        TEST_ASSERT_EQUAL_UINT(0u, fly.rests);
+    }
+}
+
 /// A current that is seen: by what is missing of a tenth of i_max, to twice the share at most.
 static void test_pulses_lengthen_by_what_is_missing(void) {
     const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
@@ -550,6 +567,7 @@ int main(void) {
     RUN_TEST(test_whole_periods_find_a_rotor_in_noise);
     RUN_TEST(test_vectors_of_noise_are_tried_again);
     RUN_TEST(test_vectors_that_swing);
+    RUN_TEST(test_a_current_that_adds_up_is_tried_again);
     RUN_TEST(test_pulses_lengthen_by_what_is_missing);
     RUN_TEST(test_the_bus_bounds_the_pulses);
     RUN_TEST(test_how_long_vectors_are_seen_to_turn);
