@@ -61,9 +61,9 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 #define SIGMA_RUN_UP 17.0f
 // Upper bounds, for the observer (0.2 w0) and for sampling ...
 #define SIGMA_RATED_MAX 0.66f
-#define LATE_SLOPE                                                                                 \
-    10.0f // (P28): from a hand-over at 0.35 of rated speed on, 2.5 times at half of it
-#define LATE_BASE 3.5f
+// (P28): a late hand-over bounds sigma instead of the rated speed, up to a share of what the run-up time requires.
+#define OMEGA_HIGH_SHARE 0.2f // omega_high over rated speed, by default
+#define LATE_SHARE 0.25f
 #define SIGMA_TS_MAX 0.07f
 // ... and lower where the start current weakens the active flux, because an error of Lq - Ld then turns the angle. With MTPA
 // the d current moves with the torque, and such an error turns the angle twice; with half of the flux lost (the largest start
@@ -86,15 +86,9 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 // Magnets' EMF at the end of a start, over the error that noise makes in it (S49).
 #define EMF_PER_NOISE 10.0f
 
-// (P28): a late hand-over allows a larger sigma, as the effect of an error of Lq - Ld depends on sigma over the speed.
-static float fast_enough_rad_s(const lode_drive_config_t *config) {
-    const float rated = config->motor.omega_rated_rad_s;
-    return lode_max(rated, LATE_SLOPE * config->start.omega_handover_rad_s - LATE_BASE * rated);
-}
-
 static float sigma_of_kind(const lode_drive_config_t *config, float sigma_rad_s) {
-    const float most =
-        lode_min(SIGMA_OBSERVER * fast_enough_rad_s(config), SIGMA_TS_OBSERVER * config->f_pwm_Hz);
+    const float most = lode_min(SIGMA_OBSERVER * config->motor.omega_rated_rad_s,
+                                SIGMA_TS_OBSERVER * config->f_pwm_Hz);
     const float sigma = lode_pll_times(config->estimator.pll.kind) * sigma_rad_s;
     return lode_min(sigma, lode_max(sigma_rad_s, most));
 }
@@ -105,10 +99,14 @@ static float sigma_of_light_rotor(const lode_drive_config_t *config) {
     const float left =
         lode_max(1.0f - SIGMA_FLUX_LOST * lost / lode_max(motor->psi_Wb, FLT_MIN), 0.0f);
     const float share = config->references.kind == LODE_REFERENCES_MTPA ? left * left : left;
-    const float most = lode_min(SIGMA_RATED_MAX * share * fast_enough_rad_s(config),
-                                SIGMA_TS_MAX * config->f_pwm_Hz);
     const float run_up_s = lode_motor_run_up_s(motor, config->inverter.i_max_A);
-    return sigma_of_kind(config, lode_min(SIGMA_RUN_UP / lode_max(run_up_s, FLT_MIN), most));
+    const float wanted = SIGMA_RUN_UP / lode_max(run_up_s, FLT_MIN);
+    const float per_omega = SIGMA_RATED_MAX * share;
+    const float by_handover = lode_min(
+        per_omega * config->start.omega_handover_rad_s / OMEGA_HIGH_SHARE, LATE_SHARE * wanted);
+    const float most = lode_min(lode_max(per_omega * motor->omega_rated_rad_s, by_handover),
+                                SIGMA_TS_MAX * config->f_pwm_Hz);
+    return sigma_of_kind(config, lode_min(wanted, most));
 }
 
 // Where a light rotor has moved the hand-over beyond omega_high, sigma rises up to the hand-over speed (P21), (P27): the
