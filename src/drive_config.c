@@ -63,7 +63,7 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 #define SIGMA_RATED_MAX 0.66f
 // (P28): a late hand-over bounds sigma instead of the rated speed, up to a share of what the run-up time requires.
 #define OMEGA_HIGH_SHARE 0.2f // omega_high over rated speed, by default
-#define LATE_SHARE 0.25f
+#define LATE_SHARE 0.175f
 #define SIGMA_TS_MAX 0.07f
 // ... and lower where the start current weakens the active flux, because an error of Lq - Ld then turns the angle. With MTPA
 // the d current moves with the torque, and such an error turns the angle twice; with half of the flux lost (the largest start

@@ -651,7 +651,7 @@ static void test_speed_control_knows_its_delays(void) {
 }
 
 /// (P21), by a hand-over that is given; bounded by the inertia and by the sampling; not where any is given.
-/// (P28): a hand-over beyond a fifth of rated speed bounds sigma by five times its speed, up to a quarter of what the run-up time requires.
+/// (P28): a hand-over beyond a fifth of rated speed bounds sigma by five times its speed, up to 0.175 of what the run-up time requires.
 /// The observer follows (P10).
 static void test_a_late_hand_over_leaves_room_for_sigma(void) {
     static const double inertia[] = {1.0e-2, 1.0e-2, 0.1};
@@ -664,7 +664,7 @@ static void test_a_late_hand_over_leaves_room_for_sigma(void) {
         config.references.field_weakening = LODE_ON; // no (P21)
         config.start.omega_handover_rad_s = (float)(0.2 * times * PAPER_OMEGA_RATED);
         lode_drive_design(&config);
-        // With a tenth of the inertia the run-up time requires 477 rad/s, a quarter of which is less than rated speed allows.
+        // With a tenth of the inertia the run-up time requires 477 rad/s, 0.175 of which is less than rated speed allows.
         const double sigma = 0.66 * (n == 2 ? 1.0 : times) * PAPER_OMEGA_RATED;
         CHECK_CLOSE(1.0e-4, sigma, config.estimator.pll.sigma_low_rad_s);
         CHECK_CLOSE(1.0e-4, sigma, config.estimator.pll.sigma_rad_s);
