@@ -410,7 +410,9 @@ def steady6(checks, rows):
 def dynamics6(checks, rows):
     for observer in ("c", "fa"):
         for column in ("exact", "corrected"):
-            near(checks, rows[f"fig16_{observer}_swing"][column], 0, 2.5, f"ramps, {observer}, {column}")
+            # Behind dead time by the instant at which the ramps begin: 2.1 and 3.9 degrees have been seen. The paper claims 4.5.
+            bar = 4.5 if column == "corrected" else 2.5
+            near(checks, rows[f"fig16_{observer}_swing"][column], 0, bar, f"ramps, {observer}, {column}")
     for name in ("fig17_c", "fig17_fa_fast"):
         for when in ("on", "off"):
             near(checks, rows[f"{name}_{when}"]["exact"], 0, 4.0, f"{name}, load {when}")
