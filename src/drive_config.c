@@ -61,9 +61,9 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 #define SIGMA_RUN_UP 17.0f
 // Upper bounds, for the observer (0.2 w0) and for sampling ...
 #define SIGMA_RATED_MAX 0.66f
-// (P28): a late hand-over bounds sigma instead of the rated speed, up to a share of what the run-up time requires.
-#define OMEGA_HIGH_SHARE 0.2f // omega_high over rated speed, by default
-#define LATE_SHARE 0.175f
+// (P28): a hand-over beyond this share of rated speed is late; sigma is raised if below this share of what is required.
+#define LATE_HANDOVER 0.2f
+#define LATE_NEED 0.175f
 #define SIGMA_TS_MAX 0.07f
 // ... and lower where the start current weakens the active flux, because an error of Lq - Ld then turns the angle. With MTPA
 // the d current moves with the torque, and such an error turns the angle twice; with half of the flux lost (the largest start
@@ -93,28 +93,42 @@ static float sigma_of_kind(const lode_drive_config_t *config, float sigma_rad_s)
     return lode_min(sigma, lode_max(sigma_rad_s, most));
 }
 
-static float sigma_of_light_rotor(const lode_drive_config_t *config) {
+// What the run-up time requires (P20).
+static float sigma_by_run_up(const lode_drive_config_t *config) {
+    const float run_up_s = lode_motor_run_up_s(&config->motor, config->inverter.i_max_A);
+    return SIGMA_RUN_UP / lode_max(run_up_s, FLT_MIN);
+}
+
+// What an error of Lq - Ld allows at rated speed.
+static float sigma_by_speed(const lode_drive_config_t *config) {
     const lode_motor_t *motor = &config->motor;
     const float lost = lode_abs(motor->Lq_H - motor->Ld_H) * config->start.current_A;
     const float left =
         lode_max(1.0f - SIGMA_FLUX_LOST * lost / lode_max(motor->psi_Wb, FLT_MIN), 0.0f);
     const float share = config->references.kind == LODE_REFERENCES_MTPA ? left * left : left;
-    const float run_up_s = lode_motor_run_up_s(motor, config->inverter.i_max_A);
-    const float wanted = SIGMA_RUN_UP / lode_max(run_up_s, FLT_MIN);
-    const float per_omega = SIGMA_RATED_MAX * share;
-    const float by_handover = lode_min(
-        per_omega * config->start.omega_handover_rad_s / OMEGA_HIGH_SHARE, LATE_SHARE * wanted);
-    const float most = lode_min(lode_max(per_omega * motor->omega_rated_rad_s, by_handover),
-                                SIGMA_TS_MAX * config->f_pwm_Hz);
-    return sigma_of_kind(config, lode_min(wanted, most));
+    return SIGMA_RATED_MAX * share * motor->omega_rated_rad_s;
+}
+
+// (P28): how many times more it allows at a late hand-over, if needed.
+static float late_times(const lode_drive_config_t *config) {
+    const float by_handover = config->start.omega_handover_rad_s /
+                              (LATE_HANDOVER * lode_max(config->motor.omega_rated_rad_s, FLT_MIN));
+    const float by_need =
+        LATE_NEED * sigma_by_run_up(config) / lode_max(sigma_by_speed(config), FLT_MIN);
+    return lode_max(lode_min(by_handover, by_need), 1.0f);
+}
+
+static float sigma_of_light_rotor(const lode_drive_config_t *config) {
+    const float most =
+        lode_min(late_times(config) * sigma_by_speed(config), SIGMA_TS_MAX * config->f_pwm_Hz);
+    return sigma_of_kind(config, lode_min(sigma_by_run_up(config), most));
 }
 
 // Where a light rotor has moved the hand-over beyond omega_high, sigma rises up to the hand-over speed (P21), (P27): the
 // effect of an error of Lq - Ld depends on sigma over the speed.
 static void stretch_pll(lode_pll_config_t *pll, const lode_drive_config_t *config) {
-    const float run_up_s = lode_motor_run_up_s(&config->motor, config->inverter.i_max_A);
-    const float most = sigma_of_kind(config, lode_min(SIGMA_RUN_UP / lode_max(run_up_s, FLT_MIN),
-                                                      SIGMA_TS_MAX * config->f_pwm_Hz));
+    const float most =
+        sigma_of_kind(config, lode_min(sigma_by_run_up(config), SIGMA_TS_MAX * config->f_pwm_Hz));
     const float by_speed =
         config->start.omega_handover_rad_s / lode_max(pll->omega_high_rad_s, FLT_MIN);
     const float by_sigma = most / lode_max(pll->sigma_rad_s, FLT_MIN);
@@ -151,8 +165,9 @@ static void design_fast_fa(lode_drive_config_t *config) {
     }
 }
 
-// Bandwidth by the rated speed, and a higher one where the inertia requires it (P20).
-static void design_pll(lode_drive_config_t *config, float ts_s) {
+// Bandwidth by the rated speed, and a higher one where the inertia requires it (P20). Returns by how many times the EMF
+// observer has to be faster with it (P28).
+static float design_pll(lode_drive_config_t *config, float ts_s) {
     lode_pll_config_t *pll = &config->estimator.pll;
     const bool open = is_open(pll->sigma_rad_s) && is_open(pll->sigma_low_rad_s);
     const bool all_open = open && is_open(pll->omega_low_rad_s) && is_open(pll->omega_high_rad_s);
@@ -166,6 +181,7 @@ static void design_pll(lode_drive_config_t *config, float ts_s) {
         pll->sigma_low_rad_s = lode_max(pll->sigma_low_rad_s, sigma_of_light_rotor(config));
         pll->sigma_rad_s = lode_max(pll->sigma_rad_s, pll->sigma_low_rad_s);
     }
+    return open ? late_times(config) : 1.0f;
 }
 
 // (K31). Unequal gains of the current sensors make EMF and torque swing twice per turn, by a share of the current. The bias
@@ -282,9 +298,11 @@ void lode_drive_design(lode_drive_config_t *config) {
     if (bias_open && bias_swings(config)) {
         config->references.id_bias_A = LODE_NONE;
     }
-    design_pll(config, ts_s);
+    lode_motor_t late = *motor;
+    late.omega_rated_rad_s *= design_pll(config, ts_s);
     design_gi(config);
     const bool k2_open = is_open(config->estimator.emf.k2_rad_s);
+    lode_emf_design(&config->estimator.emf, &late, config->estimator.pll.sigma_rad_s, ts_s);
     lode_estimator_design(&config->estimator, motor, ts_s);
     const lode_motor_t circuit = circuit_of(config);
     config->current.voltage_use =

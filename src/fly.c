@@ -38,6 +38,8 @@
 #define LONG_MOST 16u   // periods
 #define LONG_SEEN 1.5f  // times the least current: enough, no longer pulse is needed
 #define LONG_VECTORS 8u // least number of vectors
+#define LONG_GAP 5u     // periods between two vectors of pulses of one period
+#define LONG_TURN_rad 2.0f
 
 #ifdef LODE_WITHOUT_FLYING_START
 
@@ -131,12 +133,16 @@ static void enter_grow(lode_fly_t *self, const lode_fly_tuning_t *tuning) {
     enter(self, (uint_least8_t)LODE_FLY_GROW);
 }
 
-// (S23): longest share after which the current, driven down by the bus less the EMF, is gone before the next pulse.
-static float longest(const lode_fly_t *self, const lode_fly_tuning_t *tuning, float i_abs_A,
+// EMF that a current at t_k shows of a pulse within a period, of which dead time has taken its part.
+static float shown_V(const lode_fly_t *self, const lode_fly_tuning_t *tuning, float i_abs_A,
                      const lode_fly_given_t *given) {
     const float acted = lode_max(self->share - tuning->share_dead, ACTED_MIN * self->share);
-    const float line_V = LODE_SQRT3 * emf_V(given, i_abs_A) / acted;
-    const float left = 1.0f - line_V / lode_max(given->v_bus_V, FLT_MIN);
+    return emf_V(given, i_abs_A) / acted;
+}
+
+// (S23): longest share after which the current, driven down by the bus less the EMF, is gone before the next pulse.
+static float longest(float e_V, const lode_fly_given_t *given) {
+    const float left = 1.0f - LODE_SQRT3 * e_V / lode_max(given->v_bus_V, FLT_MIN);
     // No current flowed with the gates off: the EMF is below the bus.
     return lode_clamp(DECAY_SHARE * left, window(given->duty_max), SHARE_MAX);
 }
@@ -177,15 +183,23 @@ static void lengthen(lode_fly_t *self, lode_ab_t i_A, const lode_fly_given_t *gi
     }
 }
 
+// The current decays in the pause, and from one vector to the next the rotor turns by far less than half a turn.
+static bool may_span(float most, float e_V, const lode_fly_given_t *given) {
+    const float gap_s = (float)LONG_GAP * given->ts_s;
+    return most >= LONG_LEAST && gap_s * e_V <= LONG_TURN_rad * given->psi_Wb;
+}
+
 static void grow(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A,
                  const lode_fly_given_t *given) {
     const float i_abs_A = lode_ab_length(i_A);
+    const float e_V = shown_V(self, tuning, i_abs_A, given);
     const bool seen = i_abs_A >= self->seen_A;
-    const float most = seen ? longest(self, tuning, i_abs_A, given) : SHARE_MAX;
+    const float most = seen ? longest(e_V, given) : SHARE_MAX;
     const bool enough = i_abs_A >= target_A(given) || self->share >= most;
     const bool fits = self->share <= FITS * most;
     self->periods++;
-    if (enough && fits && most >= LONG_LEAST && i_abs_A < LONG_BELOW * target_A(given)) {
+    const bool small = i_abs_A < LONG_BELOW * target_A(given);
+    if (enough && fits && small && may_span(most, e_V, given)) {
         begin_span(self, 1u);
         return;
     }

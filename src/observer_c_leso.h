@@ -26,7 +26,8 @@ LODE_INLINE lode_ab_t c_leso_step(lode_observer_t *self, const lode_observer_tun
 
 static void c_leso_design(lode_observer_config_t *config, float omega_rated_rad_s,
                           float sigma_rad_s, float ts_s) {
-    observer_design_w0(config, omega_rated_rad_s, sigma_rad_s, ts_s);
+    (void)sigma_rad_s;
+    observer_design_w0(config, omega_rated_rad_s, ts_s);
 }
 
 static lode_status_t c_leso_check(const lode_observer_config_t *config, float ts_s) {

@@ -8,17 +8,12 @@
 // (E29).
 #define W0_PER_OMEGA_RATED 4.25f
 #define W0_TS_MAX 2.0f
-// (P10), as far as (P28) raises sigma by itself: for a hand-over at half of rated speed.
-#define W0_PER_SIGMA 5.05f
-#define W0_RISE_MAX 2.5f // times the default
 #define K2_TS_MAX 1.0f
 
 // The default of w0.
 LODE_INLINE void observer_design_w0(lode_observer_config_t *config, float omega_rated_rad_s,
-                                    float sigma_rad_s, float ts_s) {
-    const float by_speed = W0_PER_OMEGA_RATED * omega_rated_rad_s;
-    const float wanted = lode_clamp(W0_PER_SIGMA * sigma_rad_s, by_speed, W0_RISE_MAX * by_speed);
-    const float w0 = lode_min(wanted, W0_TS_MAX / ts_s);
+                                    float ts_s) {
+    const float w0 = lode_min(W0_PER_OMEGA_RATED * omega_rated_rad_s, W0_TS_MAX / ts_s);
     config->w0_rad_s = lode_given_or(config->w0_rad_s, w0);
 }
 

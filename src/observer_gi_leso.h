@@ -17,7 +17,8 @@ enum { GI_LESO_GAIN, GI_LESO_P2, GI_LESO_KAPPA, GI_LESO_WC_TS }; // numbers
 
 static void gi_leso_design(lode_observer_config_t *config, float omega_rated_rad_s,
                            float sigma_rad_s, float ts_s) {
-    observer_design_w0(config, omega_rated_rad_s, sigma_rad_s, ts_s);
+    (void)sigma_rad_s;
+    observer_design_w0(config, omega_rated_rad_s, ts_s);
     config->gi_kappa = lode_given_or(config->gi_kappa, GI_LESO_KAPPA_DEFAULT);
     config->gi_wc_rad_s = lode_given_or(config->gi_wc_rad_s, GI_LESO_WC_rad_s);
 }

@@ -197,7 +197,7 @@ static void test_a_current_that_the_voltage_does_not_allow_is_not_missed(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 0.82, 18));
 }
 
-/// From every 10 ms of a start, with the vector at rest and on its way: what reads no current, and what was read last.
+/// From every millisecond of a start, with the vector at rest and on its way: what reads no current, and what was read last.
 static void test_converters_stuck_in_a_start_trip_before_the_current_is_large(void) {
     rig_t starting = fresh();
     rig_command(&starting, run_at(100.0));
@@ -211,7 +211,7 @@ static void test_converters_stuck_in_a_start_trip_before_the_current_is_large(vo
     rig_expect(&catching, LODE_MODE_START);
     int tried = 0;
     for (; starting.drive.mode == (uint_least8_t)LODE_MODE_START; tried++) {
-        rig_run(&starting, 0.01);
+        rig_run(&starting, 0.001);
         if (!(starting.drive.state.start.current_A > 2.0f)) {
             continue;
         }
@@ -232,7 +232,7 @@ static void test_converters_stuck_in_a_start_trip_before_the_current_is_large(vo
             }
         }
     }
-    CHECK_AT_LEAST(30, tried);
+    CHECK_AT_LEAST(300, tried);
 }
 
 /// Magnets that have lost `share` of their flux: the fault, within 100 ms.

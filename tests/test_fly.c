@@ -174,6 +174,26 @@ static void test_pulses_of_whole_periods(void) {
     TEST_ASSERT_EQUAL_INT(LODE_FLY_TURN, fly.stage); // at the longest a vector that is just seen
 }
 
+/// A rotor that turns by more than 2 rad in the five periods from one such vector to the next has none.
+static void test_a_fast_rotor_has_no_pulses_of_whole_periods(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    lode_fly_given_t given = given_with(0.0f);
+    given.psi_Wb = 0.01f;
+    for (int n = 0; n < 2; n++) {
+        // What 1.9 and 2.1 rad induce, at half a period less dead time: 0.09 and 0.10 A, less than half of the target.
+        const double emf_V = (n == 0 ? 1.9 : 2.1) / 5.0 / (double)PAPER_TS_s * 0.01;
+        lode_fly_t fly = quiet(&tuning);
+        for (int k = 0;
+             k < STEPS_MAX && fly.stage == (uint_least8_t)LODE_FLY_GROW && fly.span == 0u; k++) {
+            const double acted = fmax((double)fly.share - 0.02, 0.0);
+            const float i_A = (float)(emf_V * acted * (double)PAPER_TS_s / (2.0 * 9.8e-3));
+            lode_fly_step(&fly, &tuning, (lode_ab_t){0.0f, i_A}, &given);
+        }
+        TEST_ASSERT_EQUAL_UINT(n == 0 ? 1u : 0u, fly.span);
+        TEST_ASSERT_EQUAL_INT(n == 0 ? LODE_FLY_GROW : LODE_FLY_TURN, fly.stage);
+    }
+}
+
 /// In noise of 1 % of i_max pulses of whole periods still show angle and speed.
 static void test_whole_periods_find_a_rotor_in_noise(void) {
     const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
@@ -564,6 +584,7 @@ int main(void) {
     RUN_TEST(test_angle_and_speed_are_found_in_either_direction);
     RUN_TEST(test_pulses_lengthen_every_two_periods);
     RUN_TEST(test_pulses_of_whole_periods);
+    RUN_TEST(test_a_fast_rotor_has_no_pulses_of_whole_periods);
     RUN_TEST(test_whole_periods_find_a_rotor_in_noise);
     RUN_TEST(test_vectors_of_noise_are_tried_again);
     RUN_TEST(test_vectors_that_swing);

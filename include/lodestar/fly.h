@@ -68,7 +68,7 @@ typedef struct {
     uint_least8_t stage; ///< LODE_FLY_...
     uint_least8_t span;  ///< pulses of so many whole periods (S51); 0: pulses within each period
     uint_least8_t cycle; ///< of such a pulse and the pause after it: periods since its beginning
-    uint_least8_t tries; ///< rows of vectors that did not turn
+    uint_least8_t tries; ///< searches that ended without a rotor (S45)
     uint_least8_t rests; ///< SLOW: not 0: the longest pulses have shown no rotation
 } lode_fly_t;
 

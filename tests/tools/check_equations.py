@@ -5,6 +5,7 @@ That of equations.md, and those of pages that bring rows of their own, have the 
 docs equation | function | test. Each docs label (X1) stands in a page of docs/theory outside of these
 tables; each function, in backticks, exists in include/, src/ or sim/; each test, in backticks, is a
 function in tests/.
+Each label is that of one equation: no two pages, and no two lines, have the same tag.
 The other way round, every label that code of these folders cites stands in a table: (E5), (P4, P6),
 (B6-B8), or in brackets that name a page, (docs/theory/emf.md, E10).
 """
@@ -70,11 +71,22 @@ def range_of(first, last):
     return [f"{letters}{n}" for n in range(int(begin), int(end) + 1)]
 
 
+def tagged_twice(pages):
+    """(file, line, label) of each tag that an equation before it has already."""
+    first = {}
+    for path in pages:
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            for label in re.findall(rf"\\tag\{{\s*({LABEL})\s*\}}", line):
+                if first.setdefault(label, (path, number)) != (path, number):
+                    yield path, number, label, first[label]
+
+
 def planted(root):
     """Whether the check fails on a copy of the tree in which code cites what is not there."""
     root = pathlib.Path(root)
     lines = {"src/planted.c": "/// As (Z99) has it.\n", "include/planted.h": "// (E5), (E98)\n",
-             "sim/plant/planted.c": "// Behind it (docs/theory/emf.md, E97).\n"}
+             "sim/plant/planted.c": "// Behind it (docs/theory/emf.md, E97).\n",
+             "docs/theory/planted.md": "$$x = 1 \\tag{E5}$$\n"}
     output = io.StringIO()
     with tempfile.TemporaryDirectory() as folder:
         copy = pathlib.Path(folder)
@@ -135,6 +147,9 @@ def main(root):
         if label not in listed:
             failed += 1
             print(f"{path}:{number}: ({label}) is in no table of docs/theory; expected a row for it")
+    for path, number, label, (other, line) in tagged_twice(sorted(page.parent.glob("*.md"))):
+        failed += 1
+        print(f"{path}:{number}: ({label}) is the tag of {other}:{line} already; expected another one")
     if not any(path == page for path, _, _ in rows):
         return f"{page}:1: no row found; expected a table: {' | '.join(COLUMNS)}"
     print(f"{count} equations, {failed} problems")

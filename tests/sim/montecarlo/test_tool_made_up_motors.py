@@ -25,6 +25,26 @@ FAST = {"7 pole pairs": (7, 0.09497, 5.248e-05, 1.574e-4, 23.112, 0.05115, 400, 
         "21 pole pairs": (21, 0.321, 1.062e-4, 2.123e-4, 346.25, 5.453e-5, 12, 3, 10000)}
 
 
+# A direct-drive torque motor: it hands over at half of its rated speed, and its rotor follows a load step faster than a PLL
+# by rated speed (P28). Steps of 100 % at its least speed stay out of reach.
+TORQUE = """[motor]
+pole_pairs = 22
+Rs_Ohm = 2.5
+Ld_H = 15e-3
+Lq_H = 18e-3
+psi_Wb = 0.4545
+J_kgm2 = 0.6
+speed_rated_rpm = 60
+[drive]
+v_bus_V = 325
+i_max_A = 15
+f_pwm_Hz = 8000
+dead_time_s = 2e-6
+v_drop_V = 1.2
+r_on_Ohm = 0.04
+"""
+
+
 def text_of(pole_pairs, Rs, Ld, Lq, KV, J, v_bus, i_max, f_pwm, drive=""):
     return f"""[motor]
 pole_pairs = {pole_pairs}
@@ -108,6 +128,12 @@ def test(checks, folder):
     fast = [(name, text_of(*sizes)) for name, sizes in FAST.items()]
     for name, cause in outcomes(folder, fast):
         checks.equal(cause, None, f"salient and fast, {name}")
+    folder.write("torque.ini", TORQUE)
+    for errors in ["narrow", "wide"]:
+        folder.run("monte-carlo", "run", "--errors", errors, "--motors", "torque.ini", "--n", 24, "--json", "torque.json")
+        passed = [row["result"] for row in folder.json("torque.json")["rows"]].count("pass")
+        print(f"torque motor, {errors} errors: {passed} of 24")
+        checks.true(passed >= 12, f"torque motor, {errors} errors: {passed} of 24; expected half at least")
     count = LONG if FULL else COUNT
     failed = [row for row in outcomes(folder, drawn(count, SEED)) if row[1]]
     checks.at_most(len(failed), (1 - SHARE) * count if FULL else 0, f"of {count} motors {listed(failed)}")
