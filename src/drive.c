@@ -496,9 +496,10 @@ lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_sample_t *sample,
 }
 
 static LODE_NOINLINE lode_drive_out_t idle_period(lode_drive_t *self, const lode_counts_t *counts,
-                                                  uint_least8_t omitted) {
+                                                  uint_least8_t omitted, lode_ab_t i_A) {
     lode_sample_t sample;
     lode_sense_again(&self->sense, counts, omitted, &sample);
+    sample.i_A = i_A;
     return idle(self, &sample);
 }
 
@@ -506,7 +507,7 @@ LODE_RAMFUNC lode_drive_out_t lode_drive_step(lode_drive_t *self, const lode_cou
     const lode_drive_tuning_t *tuning = self->tuning;
     const lode_sample_t sample = sense(self, tuning, counts); // counts -> A, V at t_k
     if (!lode_drive_is_steady(self) && !self->gates) {
-        return idle_period(self, counts, sample.omitted);
+        return idle_period(self, counts, sample.omitted, sample.i_A);
     }
     const lode_estimate_t rotor = estimate(self, tuning, &sample); // -> angle and speed at t_k
     return act(self, tuning, &sample, &rotor);                     // -> duties, gates

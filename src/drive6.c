@@ -427,11 +427,12 @@ static LODE_NOINLINE lode_drive6_out_t idle(lode_drive6_t *self, const lode_samp
 
 static LODE_NOINLINE lode_drive6_out_t idle_period(lode_drive6_t *self,
                                                    const lode_counts6_t *counts,
-                                                   uint_least8_t omitted_1,
-                                                   uint_least8_t omitted_2) {
+                                                   uint_least8_t omitted_1, uint_least8_t omitted_2,
+                                                   lode_ab_t i_A) {
     lode_sample6_t sample;
     lode_sense_again(&self->drive.sense, &counts->set[0], omitted_1, &sample.machine);
     lode_sense_again(&self->sense_2, &counts->set[1], omitted_2, &sample.set_2);
+    sample.machine.i_A = i_A; // of both sets: harmonics of the EMF drive current in the xy plane
     return idle(self, &sample);
 }
 
@@ -558,7 +559,8 @@ lode_drive6_out_t lode_drive6_act(lode_drive6_t *self, const lode_sample6_t *sam
 LODE_RAMFUNC lode_drive6_out_t lode_drive6_step(lode_drive6_t *self, const lode_counts6_t *counts) {
     const lode_sample6_t sample = sense(self, counts);
     if (!lode_drive_is_steady(&self->drive) && !self->drive.gates) {
-        return idle_period(self, counts, sample.machine.omitted, sample.set_2.omitted);
+        return idle_period(self, counts, sample.machine.omitted, sample.set_2.omitted,
+                           sample.machine.i_A);
     }
     const lode_estimate_t rotor = estimate(self, &sample);
     return act(self, &sample, &rotor);

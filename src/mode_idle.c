@@ -94,12 +94,8 @@ static LODE_NOINLINE void take_flight(lode_drive_t *self, float theta_rad, float
 }
 
 // One period of the low-side pulses.
-static LODE_NOINLINE void fly_on(lode_drive_t *self, const int32_t i[LODE_PHASES]) {
+static LODE_NOINLINE void fly_on(lode_drive_t *self, lode_ab_t i_A) {
     const lode_drive_tuning_t *tuning = self->tuning;
-    const int32_t alpha = 2 * i[0] - i[1] - i[2];
-    const int32_t beta = i[1] - i[2];
-    const lode_ab_t i_A = {(float)alpha * tuning->sense.alpha_gain,
-                           (float)beta * tuning->sense.beta_gain};
     const lode_fly_given_t given = {
         .ts_s = tuning->estimator.pll.ts_s,
         .i_max_A = tuning->references.i_max_A,
@@ -122,7 +118,7 @@ static LODE_NOINLINE bool follow_flight(lode_drive_t *self, const lode_sample_t 
     if (precharge->part != (uint_least8_t)LODE_PRECHARGE_PULSES) {
         return false;
     }
-    fly_on(self, sample->i);
+    fly_on(self, sample->i_A);
     // The last limit of the duties, as in a driven period.
     lode_mode_set_duties(self, lode_clamp(1.0f - fly->share, 0.0f, 1.0f));
     if (fly->stage == (uint_least8_t)LODE_FLY_FOUND) {

@@ -668,8 +668,7 @@ static void test_a_late_hand_over_leaves_room_for_sigma(void) {
         const double sigma = 0.66 * (n == 2 ? 1.0 : times) * PAPER_OMEGA_RATED;
         CHECK_CLOSE(1.0e-4, sigma, config.estimator.pll.sigma_low_rad_s);
         CHECK_CLOSE(1.0e-4, sigma, config.estimator.pll.sigma_rad_s);
-        CHECK_CLOSE(1.0e-4, 4.25 / 0.66 * sigma,
-                    config.estimator.emf.w0_rad_s);
+        CHECK_CLOSE(1.0e-4, 4.25 / 0.66 * sigma, config.estimator.emf.w0_rad_s);
     }
 }
 

@@ -56,7 +56,10 @@ typedef struct {
     lode_drive6_out_t out;
     lode_drive6_out_t applied;
     cplx_t i_dq;
-    cplx_t i_xy; ///< stator axes
+    cplx_t i_xy;  ///< stator axes
+    double low_s; ///< for which the low sides have been on
+    /// What the 5th harmonic of the EMF drives in pulses of the low sides, over the current of both sets.
+    double pulse_xy;
     double theta;
     double omega; ///< electrical
     double load_Nm;
@@ -174,9 +177,10 @@ static inline void rig6_carry_alone(rig6_t *self, cplx_t v, int set, double h) {
 }
 
 /// Short-circuited by the low sides since half of their share ago; the diodes let the current die before the next.
-static inline cplx_t rig6_pulse(const rig6_t *self) {
+static inline cplx_t rig6_pulse(rig6_t *self) {
     const double share = 1.0 - (double)self->applied.set[0].duty.a;
-    const double turned = 0.5 * share * RIG6_TS_s * self->omega;
+    self->low_s = share < 1.0 ? 0.5 * share * RIG6_TS_s : self->low_s + RIG6_TS_s;
+    const double turned = self->low_s * self->omega;
     return RIG6_PSI * ((cos(turned) - 1.0) / RIG6_LD - I * sin(turned) / RIG6_LQ);
 }
 
@@ -201,6 +205,7 @@ static inline void rig6_move(rig6_t *self) {
     }
     if (self->out.set[0].gates == LODE_GATES_LOW && self->out.set[1].gates == LODE_GATES_LOW) {
         self->i_dq = rig6_pulse(self);
+        self->i_xy = self->pulse_xy * cabs(self->i_dq) * cexp(-5.0 * I * self->theta);
     }
     self->applied = self->out;
 }
