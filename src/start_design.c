@@ -20,6 +20,8 @@
 // Least (Lq - Ld)/Lq in (S18). An error of 20 % in Lq turns the angle even of a rotor configured without saliency; it
 // counts as in a rotor of this saliency, where it is 0.55 of Lq - Ld.
 #define LIGHT_UNSURE 0.36f
+// (S52): hand-over speed as a share of rated speed, over Lq i_max/psi.
+#define RELUCTANCE 0.05f
 // Of rated or base speed: a higher hand-over would leave too little of the speed range.
 #define HANDOVER_SHARE_MAX 0.5f
 // Factor by which noise of the currents may raise the hand-over speed (S49). At much higher speed a rotor that slips
@@ -170,6 +172,13 @@ static float omega_of_emf(const lode_motor_t *motor, const lode_inverter_config_
            lode_max(motor->psi_Wb, FLT_MIN);
 }
 
+// (S52): an error of Lq turns the angle, PLL and speed control pass that on to the current, and the lower the speed the
+// stiffer speed control has to be for a load.
+static float omega_of_reluctance(const lode_motor_t *motor, float i_max_A) {
+    const float share = RELUCTANCE * motor->Lq_H * i_max_A / lode_max(motor->psi_Wb, FLT_MIN);
+    return share * motor->omega_rated_rad_s;
+}
+
 // Electrical speed from which the EMF exceeds the error that the current sensors leave in the measured drop.
 static float seen_omega(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
                         float current_A) {
@@ -193,11 +202,18 @@ bool lode_start_has_emf(const lode_start_config_t *config, const lode_inverter_c
     return seen_omega(motor, inverter, config->current_A) <= most_omega(motor, inverter);
 }
 
+// Electrical speed from which the angle is good enough.
+static float omega_of_angle(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
+                            float current_A, float ts_s) {
+    return lode_max(omega_of_emf(motor, inverter, current_A, ts_s),
+                    omega_of_reluctance(motor, inverter->i_max_A));
+}
+
 static float default_handover(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
                               float current_A, float ts_s) {
-    const float by_emf = omega_of_emf(motor, inverter, current_A, ts_s);
+    const float by_angle = omega_of_angle(motor, inverter, current_A, ts_s);
     const float by_rotor = omega_of_light_rotor(motor, inverter, current_A);
-    return within_speeds(lode_max(by_emf, by_rotor), motor, inverter, current_A);
+    return within_speeds(lode_max(by_angle, by_rotor), motor, inverter, current_A);
 }
 
 // True for the default hand-over speed. A configured one applies as it is.
@@ -212,9 +228,9 @@ static bool is_own_handover(const lode_start_config_t *config,
 // visible earlier, and the vector need not reach it. A configured speed applies as it is.
 static float omega_ready(const lode_start_config_t *config, const lode_inverter_config_t *inverter,
                          const lode_motor_t *motor, float ts_s) {
-    const float by_emf = within_speeds(omega_of_emf(motor, inverter, config->current_A, ts_s),
-                                       motor, inverter, config->current_A);
-    return is_own_handover(config, inverter, motor, ts_s) ? by_emf : config->omega_handover_rad_s;
+    const float by_angle = within_speeds(omega_of_angle(motor, inverter, config->current_A, ts_s),
+                                         motor, inverter, config->current_A);
+    return is_own_handover(config, inverter, motor, ts_s) ? by_angle : config->omega_handover_rad_s;
 }
 
 // (S26): a rotor with too little flux left for (S8) is handed over while its vector gives way (S17), and where the load

@@ -959,6 +959,23 @@ static void test_a_light_salient_rotor_hands_over_later(void) {
     }
 }
 
+/// (S52): from Lq i_max/psi = 2 on a twentieth of it, of rated speed; the angle is no better before.
+static void test_a_reluctance_machine_hands_over_later(void) {
+    lode_motor_t motor = paper_motor();
+    for (double Lq_H = 10.0e-3; Lq_H < 40.0e-3; Lq_H *= 1.5) {
+        motor.Lq_H = (float)Lq_H;
+        motor.J_kgm2 = 10.0f; // (S18) asks for nothing
+        lode_start_config_t config = {.current_A = 0.0f};
+        lode_start_design(&config, &inverter, &motor, PAPER_TS_s);
+        const double share = 0.05 * Lq_H * 12.0 / (double)motor.psi_Wb;
+        CHECK_CLOSE(1.0e-4, fmax(0.1, share) * PAPER_OMEGA_RATED, config.omega_handover_rad_s);
+        lode_start_tuning_t tuning;
+        TEST_ASSERT_EQUAL_INT(
+            LODE_OK, lode_start_tune(&tuning, &config, &inverter, &motor, OMEGA_MAX, PAPER_TS_s));
+        TEST_ASSERT_EQUAL_FLOAT(config.omega_handover_rad_s, tuning.omega_ready);
+    }
+}
+
 /// Each attempt begins at rest, with a quarter of the ramp; the last one takes its own current.
 static void test_each_attempt_is_easier(void) {
     lode_start_config_t config = sound();
@@ -2160,6 +2177,7 @@ int main(void) {
     RUN_TEST(test_measuring_is_a_choice);
     RUN_TEST(test_hand_over_speed_follows_what_is_not_known);
     RUN_TEST(test_a_light_salient_rotor_hands_over_later);
+    RUN_TEST(test_a_reluctance_machine_hands_over_later);
     RUN_TEST(test_each_attempt_is_easier);
     RUN_TEST(test_a_default_ramp_begins_gently);
     RUN_TEST(test_the_current_falls_where_no_lock_comes);

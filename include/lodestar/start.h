@@ -21,8 +21,8 @@ typedef struct {
     float current_last_A;
     /// ELECTRICAL speed of the hand-over; 0: 0.1 of rated (150 of 1500 rpm). The default is higher, up to 0.5 of
     /// rated or base speed, if 1 us of dead time and 30 % of R could amount to more than half of the EMF (S12), or
-    /// if a load step would stop a light salient rotor (S18). It is at least the speed at which the EMF is a
-    /// quarter of the drop across R
+    /// if a load step would stop a light salient rotor (S18), or if Lq i_max is more than twice psi (S52). It is at
+    /// least the speed at which the EMF is a quarter of the drop across R
     float omega_handover_rad_s;
     /// ELECTRICAL acceleration in the first attempt; 0: that of a tenth of the start torque on the inertia, with a
     /// sixteenth of it at rest (S35). A configured ramp applies in full from rest on
