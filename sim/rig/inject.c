@@ -4,6 +4,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "config/speed_limits.h"
+
 #define DRIFT_s 0.1
 #define BUS_MOVES_s 0.05
 #define HEATS_s 0.3
@@ -91,8 +93,8 @@ void inject_init(inject_t *self, const inject_kind_t *kind, const rig_config_t *
         .i_max_A = (double)config->drive.inverter.i_max_A,
         .i_A_per_count = plant->i_A_per_count,
         .full_count = exp2(plant->adc_bits) - 1.0,
-        .torque_Nm = (double)lode_motor_kt_Nm_A(&config->drive.motor) *
-                     (double)config->drive.inverter.i_max_A,
+        .torque_Nm =
+            speed_limits_torque_Nm(&config->drive, (double)config->drive.motor.omega_rated_rad_s),
         .v_bus_V = plant->v_bus_V,
         .temperature_degC = plant->temperature_degC,
     };
