@@ -346,14 +346,20 @@ static float present_Lq(const lode_references_t *self, const lode_references_tun
 #endif
 }
 
+// Largest torque at the flux for which the voltage suffices, over the torque factor. Where a flipped bit has made it negative
+// it counts no more until it is found anew: limits in the wrong order would wind speed control up.
+static float tau_by_flux(const lode_references_t *self, const lode_references_tuning_t *tuning) {
+    const bool counts = lode_references_weakens(tuning) && self->tau_most >= 0.0f;
+    return counts ? self->tau_most : FLT_MAX;
+}
+
 // `circle`: torque that the d current leaves on the current circle. With MTPA and no weakening, id would follow a larger
 // torque, so all of tau_max is available.
 static float largest_tau(const lode_references_t *self, const lode_references_tuning_t *tuning,
                          float circle) {
     const bool opens =
         lode_references_asks(tuning, LODE_REFERENCES_LEAST_CURRENT) && !is_weakening(self, tuning);
-    const float most = lode_references_weakens(tuning) ? self->tau_most : FLT_MAX;
-    return lode_min(opens ? lode_max(circle, tuning->tau_max) : circle, most);
+    return lode_min(opens ? lode_max(circle, tuning->tau_max) : circle, tau_by_flux(self, tuning));
 }
 
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
@@ -395,7 +401,7 @@ lode_references_out_t lode_references_optimal(lode_references_t *self,
     float id = self->id_free_A;
     if (lode_references_weakens(tuning)) {
         flux = self->flux;
-        tau = lode_min(tau, self->tau_most);
+        tau = lode_min(tau, tau_by_flux(self, tuning));
         id = weakened_id(self, tuning, Lq, tau);
     }
     const float iq_max = lode_sqrt(i_max * i_max - id * id);

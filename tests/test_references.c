@@ -579,6 +579,18 @@ static void test_before_the_first_parts_id_stays(void) {
     CHECK_CLOSE(1.0e-5, (double)torque / 6.0, rig_tau(&rig));
 }
 
+/// Before the first part has found it anew.
+static void test_a_flipped_sign_of_the_most_torque(void) {
+    rig_t rig = rig_of(0, true, &weakening);
+    rig_settle(&rig, 0.5 * rig.V / rig.psi, 0.2 * rig.psi * rig.i_max);
+    rig.self.tau_most = -rig.self.tau_most;
+    rig.out = lode_references_finish(&rig.self, &rig.tuning, 1.0f, (float)(0.5 * rig.V / rig.psi),
+                                     0.0f, rig.voltage.v_bus_V);
+    TEST_ASSERT_TRUE(rig.out.torque_Nm.min <= 0.0f && rig.out.torque_Nm.max >= 0.0f);
+    CHECK_CLOSE(1.0e-5, 1.0 / 6.0, rig_tau(&rig));
+    CHECK_AT_MOST(rig.i_max, hypot((double)rig.out.i_A.d, (double)rig.out.i_A.q));
+}
+
 static void test_any_input_of_any_kind_stays_in_the_circle(void) {
     random_t random = random_seed(7);
     for (int number = 0; number < 3; number++) {
@@ -1026,6 +1038,7 @@ int main(void) {
     RUN_TEST(test_id_stays_above_its_least);
     RUN_TEST(test_start_from_any_id);
     RUN_TEST(test_before_the_first_parts_id_stays);
+    RUN_TEST(test_a_flipped_sign_of_the_most_torque);
     RUN_TEST(test_any_input_of_any_kind_stays_in_the_circle);
     RUN_TEST(test_most_torque_per_volt_only_where_it_is_reached);
     RUN_TEST(test_most_torque_of_a_saturating_motor);
