@@ -18,6 +18,7 @@
 #define BIAS_GONE 2.0f              // of the upper speed, where the d current has faded
 #define REACHED 0.03f
 #define STEADY_s 0.2f
+#define MEAN_s 0.025f // time constant of the mean speed before the run
 #define RUN_WAIT_s 3.0f
 // Longest time of one way of a run: that of an inertia RUN_SLOWEST times the configured one, or of as much less torque.
 #define RUN_SLOWEST 10.0f
@@ -164,7 +165,10 @@ static void give_up(lode_commission_t *self, float wanted_rad_s) {
 }
 
 void lode_commission_start(lode_commission_t *self) {
-    const float off = lode_abs(speed_of(self) - self->low_rad_s);
+    // The speed of a light rotor ripples by more than REACHED, its mean does not.
+    const float weight = 1.0f / (MEAN_s * self->config.f_pwm_Hz);
+    self->sums.mean_rad_s += lode_min(weight, 1.0f) * (speed_of(self) - self->sums.mean_rad_s);
+    const float off = lode_abs(self->sums.mean_rad_s - self->low_rad_s);
     const bool steady =
         self->drive->mode == (uint_least8_t)LODE_MODE_RUN && off <= REACHED * self->low_rad_s;
     lode_commission_post(self,

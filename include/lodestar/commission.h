@@ -152,6 +152,7 @@ typedef struct {
     lode_commission_beside_t beside;
     lode_commission_waves_t waves;
     lode_commission_line_t run;
+    float mean_rad_s; ///< before a run: mean of the MECHANICAL speed
 } lode_commission_sums_t;
 
 /// Currents along an axis, and 1/L at them.
