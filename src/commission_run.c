@@ -167,7 +167,7 @@ static void give_up(lode_commission_t *self, float wanted_rad_s) {
 void lode_commission_start(lode_commission_t *self) {
     // The speed of a light rotor ripples by more than REACHED, its mean does not.
     const float weight = 1.0f / (MEAN_s * self->config.f_pwm_Hz);
-    self->sums.mean_rad_s += lode_min(weight, 1.0f) * (speed_of(self) - self->sums.mean_rad_s);
+    self->sums.mean_rad_s += weight * (speed_of(self) - self->sums.mean_rad_s);
     const float off = lode_abs(self->sums.mean_rad_s - self->low_rad_s);
     const bool steady =
         self->drive->mode == (uint_least8_t)LODE_MODE_RUN && off <= REACHED * self->low_rad_s;

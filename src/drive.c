@@ -499,7 +499,7 @@ static LODE_NOINLINE lode_drive_out_t idle_period(lode_drive_t *self, const lode
                                                   uint_least8_t omitted, lode_ab_t i_A) {
     lode_sample_t sample;
     lode_sense_again(&self->sense, counts, omitted, &sample);
-    sample.i_A = i_A;
+    sample.i_A = i_A; // for the pulses that look for a turning rotor
     return idle(self, &sample);
 }
 

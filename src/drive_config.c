@@ -298,7 +298,7 @@ void lode_drive_design(lode_drive_config_t *config) {
     if (bias_open && bias_swings(config)) {
         config->references.id_bias_A = LODE_NONE;
     }
-    lode_motor_t late = *motor;
+    lode_motor_t late = *motor; // to the EMF observer: rated speed goes with sigma (P28)
     late.omega_rated_rad_s *= design_pll(config, ts_s);
     design_gi(config);
     const bool k2_open = is_open(config->estimator.emf.k2_rad_s);

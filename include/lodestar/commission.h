@@ -218,9 +218,10 @@ typedef struct {
 } lode_commission_t;
 
 /// Begins. `config` gives what is known: f_pwm, inverter and sense as for lode_drive_init(), and the motor values
-/// of the data sheet: R within 30 %, inductances within 20 %, flux within 10 %, dead time within 1.5 us, J within a factor of three. The
-/// commissioning runs its own drive in `drive`, on the two `tuning` in turn: one is in use while the next one is
-/// made. All of them are free afterwards. Errors: NULL; MOTOR_SETS with six phases; those of lode_drive_init().
+/// of the data sheet: R within 30 %, inductances within 20 %, flux within 10 %, dead time within 1.5 us, J within a
+/// factor of three. The commissioning runs its own drive in `drive`, on the two `tuning` in turn: one is in use while
+/// the next one is made. All of them are free afterwards. Errors: NULL; MOTOR_SETS with six phases; those of
+/// lode_drive_init().
 lode_status_t lode_commission_init(lode_commission_t *self, lode_drive_t *drive,
                                    lode_drive_tuning_t tuning[2],
                                    const lode_drive_config_t *config);
