@@ -142,7 +142,8 @@ static const char *commission(rig_config_t *told, const plant_config_t *truth) {
     told->given.inverter = found->inverter;
     told->given.references.Lq_fall = found->references.Lq_fall;
     if (run.sets > 1) {
-        told->six.Lxy_H = lode_commission6_config(&run.commission)->Lxy_H;
+        told->given_six.Lxy_H = lode_commission6_config(&run.commission)->Lxy_H;
+        told->six = told->given_six;
     }
     told->drive = told->given;
     rig_config_design(told);
