@@ -56,12 +56,6 @@ const lode_commission_t *commission_of(const commission_run_t *self) {
     return &self->commission.machine;
 }
 
-bool commission_run(commission_run_t *self, const rig_config_t *config) {
-    plant_config_t truth;
-    double unused_Nm;
-    return rig_config_plant(config, &truth, &unused_Nm) && commission_run_on(self, config, &truth);
-}
-
 static lode_status_t init(commission_run_t *self, const rig_config_t *config) {
     if (self->sets == 1) {
         return lode_commission_init(&self->commission.machine, &self->three, self->three_tuning,
@@ -69,6 +63,24 @@ static lode_status_t init(commission_run_t *self, const rig_config_t *config) {
     }
     const lode_drive6_config_t six = rig_config_six(config);
     return lode_commission6_init(&self->commission, &self->six, self->six_tuning, &six);
+}
+
+/// False after a message: the library refuses the configuration.
+static bool begin(commission_run_t *self, const rig_config_t *config) {
+    *self = (commission_run_t){.sets = rig_config_is_six(config) ? PLANT_SETS : 1};
+    const lode_status_t status = init(self, config);
+    if (status != LODE_OK) {
+        refusal_report(config, status);
+    }
+    return status == LODE_OK;
+}
+
+/// The library is asked before the plant, because its refusal names the keys of the motor.
+bool commission_run(commission_run_t *self, const rig_config_t *config) {
+    plant_config_t truth;
+    double unused_Nm;
+    return begin(self, config) && rig_config_plant(config, &truth, &unused_Nm) &&
+           commission_run_on(self, config, &truth);
 }
 
 static lode_drive6_out_t step(commission_run_t *self, const plant_counts_t sampled[PLANT_SETS]) {
@@ -88,14 +100,12 @@ static lode_commission_result_t work(commission_run_t *self) {
 bool commission_run_on(commission_run_t *self, const rig_config_t *config,
                        const plant_config_t *truth) {
     plant_t plant;
-    *self = (commission_run_t){.plant = *truth, .sets = rig_config_is_six(config) ? PLANT_SETS : 1};
-    (void)plant_init(&plant, &self->plant); // rig_config_plant() has checked it
-    note_truth(self, config);
-    const lode_status_t status = init(self, config);
-    if (status != LODE_OK) {
-        refusal_report(config, status);
+    if (!begin(self, config)) {
         return false;
     }
+    self->plant = *truth;
+    (void)plant_init(&plant, &self->plant); // rig_config_plant() has checked it
+    note_truth(self, config);
     note_falls(self, config);
     lode_commission_result_t result = LODE_COMMISSION_RUNNING;
     while (result == LODE_COMMISSION_RUNNING && self->took_s < LONGEST_s) {

@@ -286,7 +286,9 @@ def others_than_the_library(checks, folder):
                               "plant.Ldq_H=0.01"],
             r"^--set: \[plant\] Ldq_H = 0.01: refused by the plant: Ldq_H, too large")
     refused(checks, folder, ["commission", "--motor", MOTOR, "--drive", DRIVE, "--set", "motor.pole_pairs=1e30"],
-            r"^--set: \[motor\] pole_pairs = 1e\+30: refused by the plant: pole_pairs must be")
+            r"^--set: \[motor\] pole_pairs = 1e\+30: LODE_ERROR_MOTOR_POLE_PAIRS: expected a whole number, 1 .. 100")
+    refused(checks, folder, ["commission", "--motor", MOTOR, "--drive", DRIVE, "--set", "plant.sample_offset_s=0.5"],
+            r"^--set: \[plant\] sample_offset_s = 0.5: refused by the plant")
     refused(checks, folder, ["run", "main", "--set", "plant.stiction_Nm=1"],
             r"^--set: \[plant\] stiction_Nm = 1: applies only to a passive load; expected load_kind = passive")
     refused(checks, folder, ["run", "main", "--set", "start.signal_check=on", "--set", "drive.dead_time_s=2e-5"],
