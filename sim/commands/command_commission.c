@@ -128,9 +128,9 @@ typedef struct {
     command_source_t source;
 } files_t;
 
-static bool open_files(files_t *self, const options_t *options, const rig_config_t *config) {
+static bool open_files(files_t *self, const options_t *options) {
     return outputs_open(&self->json, options->json) && outputs_open(&self->out, options->out) &&
-           command_source_open(&self->source, options, config);
+           command_source_open(&self->source, options);
 }
 
 /// Writes the drive with the measured values to the files. False after a message if not everything was measured.
@@ -142,10 +142,9 @@ static bool print_found(const files_t *files, const options_t *options, const ch
         return false;
     }
     static rig_config_t found;
-    lode_drive_tuning_t tuning; // three phases only
+    lode_drive6_tuning_t tuning;
     commission_found(&found, run, config);
-    const lode_status_t status =
-        run->sets > 1 ? rig_config_judge(&found) : lode_drive_tune(&tuning, &found.drive);
+    const lode_status_t status = rig_config_tune(&found, &tuning);
     if (status != LODE_OK) { // the drive itself has checked only the values measured at standstill
         (void)printf(": the drive refuses the measured values: %s\n", lode_status_name(status));
         return false;
@@ -176,7 +175,7 @@ rig_exit_t command_commission(const options_t *options) {
     if (scenario == NULL && options->motor == NULL) {
         scenario = MAIN_SCENARIO;
     }
-    if (!load(&config, options, scenario) || !open_files(&files, options, &config) ||
+    if (!load(&config, options, scenario) || !open_files(&files, options) ||
         !commission_run(&run, &config)) {
         return RIG_BAD_INPUT;
     }

@@ -11,14 +11,14 @@
 #include "support/atomic_file.h"
 #include "support/outputs.h"
 
-/// Writes the C constant if --c is given. The library has accepted the configuration.
+/// Writes the C constants if --c is given. The library has accepted the configuration.
 static bool print_source(const options_t *options, const rig_config_t *config,
-                         const lode_drive_tuning_t *tuning) {
+                         const lode_drive6_tuning_t *tuning) {
     if (options->source == NULL) {
         return true;
     }
     command_source_t source;
-    if (!command_source_open(&source, options, config)) {
+    if (!command_source_open(&source, options)) {
         return false;
     }
     command_source_print(&source, "design", options->motor, options, config, tuning);
@@ -37,8 +37,8 @@ rig_exit_t command_design(const options_t *options) {
         return RIG_BAD_INPUT;
     }
     rig_config_design(&config);
-    lode_drive_tuning_t tuning;
-    const lode_status_t status = lode_drive_tune(&tuning, &config.drive);
+    lode_drive6_tuning_t tuning;
+    const lode_status_t status = rig_config_tune(&config, &tuning);
     if (status != LODE_OK) {
         refusal_report(&config, status);
         return RIG_BAD_INPUT;
@@ -47,7 +47,7 @@ rig_exit_t command_design(const options_t *options) {
         return RIG_BAD_INPUT;
     }
     assumptions_disturbances(&config);
-    design_compute(&design, &config, &tuning);
+    design_compute(&design, &config, &tuning.drive);
     if (options->json_on_stdout) {
         report_design_json(stdout, &config, &design);
     } else {

@@ -183,6 +183,14 @@ void rig_config_design(rig_config_t *config) {
     config->six.xy = six.xy;
 }
 
+lode_status_t rig_config_tune(const rig_config_t *config, lode_drive6_tuning_t *tuning) {
+    if (!rig_config_is_six(config)) {
+        return lode_drive_tune(&tuning->drive, &config->given);
+    }
+    const lode_drive6_config_t six = rig_config_six(config);
+    return lode_drive6_tune(tuning, &six);
+}
+
 lode_status_t rig_config_judge(const rig_config_t *config) {
     if (rig_config_is_six(config)) {
         lode_drive6_tuning_t tuning;

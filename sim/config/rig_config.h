@@ -243,6 +243,10 @@ lode_drive6_config_t rig_config_six(const rig_config_t *config);
 /// Lets the library compute every value of the drive that is not given.
 void rig_config_design(rig_config_t *config);
 
+/// The tuning that the library makes of the given values; of three phases only the member `drive`. On any error
+/// `tuning` is left alone.
+lode_status_t rig_config_tune(const rig_config_t *config, lode_drive6_tuning_t *tuning);
+
 /// LODE_OK, or why the library refuses the drive.
 lode_status_t rig_config_judge(const rig_config_t *config);
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "config/assumptions.h"
+#include "design/config_source.h"
 #include "design/tuning_fields.h"
 #include "lodestar/version.h"
 #include "support/diag.h"
@@ -105,12 +106,12 @@ bool tuning_source_name(char *name, size_t size, const char *path) {
 
 // Hexadecimal: every compiler reads exactly the same float.
 #define PRINT_FLOAT(type, member)                                                                  \
-    (void)fprintf(file, "    ." #member " = %af, // %.9g\n", (double)tuning->member,               \
+    (void)fprintf(file, "    .%s" #member " = %af, // %.9g\n", path, (double)tuning->member,       \
                   (double)tuning->member);
 #define PRINT_WHOLE(type, member)                                                                  \
-    (void)fprintf(file, "    ." #member " = %luu,\n", (unsigned long)tuning->member);
+    (void)fprintf(file, "    .%s" #member " = %luu,\n", path, (unsigned long)tuning->member);
 #define PRINT_INTEGER(type, member)                                                                \
-    (void)fprintf(file, "    ." #member " = %ld,\n", (long)tuning->member);
+    (void)fprintf(file, "    .%s" #member " = %ld,\n", path, (long)tuning->member);
 // Only as many numbers as the observer has: a firmware with fewer observers has no room for more.
 #define PRINT_OBSERVER(place, member)                                                              \
     if ((place) < numbers_of[tuning->estimator.emf.observer.kind]) {                               \
@@ -120,15 +121,22 @@ bool tuning_source_name(char *name, size_t size, const char *path) {
     print_option(file, #member, true);                                                             \
     PRINT_##kind(type, member) print_option(file, #member, false);
 
+typedef struct {
+    const char *place, *option;
+} option_t;
+
+// True for a member, or for a member of it.
+static bool is_within(const char *member, const char *place) {
+    const size_t length = strlen(place);
+    return begins_with(member, place) && (member[length] == '\0' || member[length] == '.');
+}
+
 // Members that are missing in a build without their option.
 static void print_option(FILE *file, const char *member, bool begins) {
-    static const struct {
-        const char *members, *option;
-    } options[] = {{"estimator.notch", "NOTCH"},     {"estimator.hfi", "HFI"},
-                   {"plausibility", "PLAUSIBILITY"}, {"start.calm_", "START_MEASUREMENT"},
-                   {"fly.", "FLYING_START"},         {"signal_check.", "SIGNAL_CHECK"}};
+#define OPTION_ROW(place, option) {place, option},
+    static const option_t options[] = {TUNING_OPTIONS(OPTION_ROW)};
     for (size_t k = 0u; k < sizeof options / sizeof options[0]; ++k) {
-        if (strncmp(member, options[k].members, strlen(options[k].members)) != 0) {
+        if (!is_within(member, options[k].place)) {
             continue;
         }
         if (begins) {
@@ -157,43 +165,68 @@ static const char *const option_of[] = {
 #undef LODE_OBSERVER
 };
 
-static void print_guards(FILE *file, const lode_drive_tuning_t *tuning) {
+/// What a tuning needs that a build may have left out.
+typedef struct {
+    bool used;
+    const char *text;
+} need_t;
+
+enum { NEEDS = 8 };
+
+static void add_needs(need_t needs[NEEDS], const lode_drive_tuning_t *tuning) {
+    const need_t own[NEEDS] = {
+        {tuning->sense.two_shunts != 0u || tuning->sense.duty_max < 1.0f, UNLESS("SHUNT_WINDOW")},
+        {(tuning->references.options & (uint32_t)LODE_REFERENCES_WEAKEN) != 0u,
+         UNLESS("FIELD_WEAKENING")},
+        {tuning->references.options != 0u, UNLESS("OPTIMAL_REFERENCES")},
+        {(tuning->estimator.options & (uint32_t)LODE_ESTIMATOR_NOTCH) != 0u, UNLESS("NOTCH")},
+        {tuning->estimator.hfi.find_rounds > 0u, UNLESS("HFI")},
+        {tuning->speed_periods != LODE_SLOW_PERIODS, UNLESS("FAST_SPEED")},
+        {tuning->speed.jerk_step > 0.0f, UNLESS("SHAPED_RAMP")},
+        {tuning->inverter.precharge_periods > 0u, UNLESS("PRECHARGE")},
+    };
+    for (int k = 0; k < NEEDS; ++k) {
+        needs[k].used = needs[k].used || own[k].used;
+        needs[k].text = own[k].text;
+    }
+}
+
+static void print_guards(FILE *file, const lode_drive6_tuning_t *tuning, bool six) {
+    need_t needs[NEEDS] = {{false, NULL}};
+    add_needs(needs, &tuning->drive);
+    if (six) {
+        add_needs(needs, &tuning->alone); // other inductances may have other references
+    }
     (void)fprintf(file,
                   "#if LODE_VERSION_MAJOR != %d || LODE_VERSION_MINOR != %d || "
                   "LODE_VERSION_PATCH != %d\n"
                   "#error \"written for another version of Lodestar; write this file again\"\n"
                   "#endif\n",
                   LODE_VERSION_MAJOR, LODE_VERSION_MINOR, LODE_VERSION_PATCH);
-    (void)fputs(option_of[tuning->estimator.emf.observer.kind], file);
-    if (tuning->sense.two_shunts != 0u || tuning->sense.duty_max < 1.0f) {
-        (void)fputs(UNLESS("SHUNT_WINDOW"), file);
-    }
-    if ((tuning->references.options & (uint32_t)LODE_REFERENCES_WEAKEN) != 0u) {
-        (void)fputs(UNLESS("FIELD_WEAKENING"), file);
-    }
-    if (tuning->references.options != 0u) {
-        (void)fputs(UNLESS("OPTIMAL_REFERENCES"), file);
-    }
-    if ((tuning->estimator.options & (uint32_t)LODE_ESTIMATOR_NOTCH) != 0u) {
-        (void)fputs(UNLESS("NOTCH"), file);
-    }
-    if (tuning->estimator.hfi.find_rounds > 0u) {
-        (void)fputs(UNLESS("HFI"), file);
-    }
-    if (tuning->speed_periods != LODE_SLOW_PERIODS) {
-        (void)fputs(UNLESS("FAST_SPEED"), file);
-    }
-    if (tuning->inverter.precharge_periods > 0u) {
-        (void)fputs(UNLESS("PRECHARGE"), file);
+    (void)fputs(option_of[tuning->drive.estimator.emf.observer.kind], file);
+    for (int k = 0; k < NEEDS; ++k) {
+        if (needs[k].used) {
+            (void)fputs(needs[k].text, file);
+        }
     }
 }
 
-static void print_members(FILE *file, const lode_drive_tuning_t *tuning) {
+/// `path`: what the designators have before the member.
+static void print_members(FILE *file, const char *path, const lode_drive_tuning_t *tuning) {
     TUNING_FIELDS(PRINT)
 }
 
-void tuning_source_print(FILE *file, const char *name, const lode_drive_tuning_t *tuning,
+static void print_members_of_six(FILE *file, const lode_drive6_tuning_t *tuning) {
+    const char *path = "";
+    print_members(file, "drive.", &tuning->drive);
+    print_members(file, "alone.", &tuning->alone);
+    TUNING6_FIELDS(PRINT)
+}
+
+void tuning_source_print(FILE *file, const char *name, const lode_drive6_tuning_t *tuning,
                          const rig_config_t *config, const char *from) {
+    const bool six = rig_config_is_six(config);
+    const char *drive = six ? "drive6" : "drive";
     (void)fputs("// Written by ", file);
     for (const char *at = from; *at != '\0'; ++at) {
         (void)fputc((unsigned char)*at < ' ' ? ' ' : *at,
@@ -201,17 +234,24 @@ void tuning_source_print(FILE *file, const char *name, const lode_drive_tuning_t
     }
     (void)fprintf(file,
                   ". C, not C++.\n"
-                  "// lode_drive_begin(&drive, &%s) takes the place of lode_drive_init().\n",
-                  name);
+                  "// lode_%s_begin(&drive, &%s) takes the place of lode_%s_init(&drive, &tuning, "
+                  "&%s_config).\n",
+                  drive, name, drive, name);
     assumptions_print(file, config, "// ");
-    (void)fputs("#include \"lodestar/drive.h\"\n"
-                "#include \"lodestar/version.h\"\n\n",
-                file);
-    print_guards(file, tuning);
     (void)fprintf(file,
-                  "\nextern const lode_drive_tuning_t %s;\n"
-                  "const lode_drive_tuning_t %s = {\n",
-                  name, name);
-    print_members(file, tuning);
-    (void)fputs("};\n", file);
+                  "#include \"lodestar/%s.h\"\n"
+                  "#include \"lodestar/version.h\"\n\n",
+                  drive);
+    print_guards(file, tuning, six);
+    (void)fprintf(file,
+                  "\nextern const lode_%s_tuning_t %s;\n"
+                  "const lode_%s_tuning_t %s = {\n",
+                  drive, name, drive, name);
+    if (six) {
+        print_members_of_six(file, tuning);
+    } else {
+        print_members(file, "", &tuning->drive);
+    }
+    (void)fputs("};\n\n", file);
+    config_source_print(file, name, config);
 }

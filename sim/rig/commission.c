@@ -151,7 +151,8 @@ void commission_found(rig_config_t *found, const commission_run_t *self,
     found->drive = *lode_commission_config(commission_of(self));
     found->given = found->drive;
     if (self->sets == PLANT_SETS) {
-        found->six.Lxy_H = lode_commission6_config(&self->commission)->Lxy_H;
+        found->given_six.Lxy_H = lode_commission6_config(&self->commission)->Lxy_H;
+        found->six = found->given_six;
     }
     for (size_t k = 0; k < sizeof measured / sizeof measured[0]; ++k) {
         if (!is_taken_over(self, measured[k].key)) {

@@ -97,10 +97,10 @@ static const option_t table[] = {
     {"json", required_argument, 'j', COMMISSION, "F.json", "{name: {value, confidence}}"},
     {"json", optional_argument, 'J', DESIGN, "[=F.json]", "JSON in place of the table"},
     {"c", required_argument, 'x', DESIGN, "F.c",
-     "the tuning as a constant in C, named like the file, for the firmware's flash;\n"
-     "                             needs a drive with i_range_A and v_range_V"},
+     "the tuning as a constant in C, named like the file, for the firmware's flash, and\n"
+     "                             NAME_config; needs a drive with i_range_A and v_range_V"},
     {"c", required_argument, 'x', COMMISSION, "F.c",
-     "the tuning for the measured values as a constant in C, as with `design --c`"},
+     "tuning and configuration with the measured values in C, as with `design --c`"},
     {"plot", required_argument, 'g', MAIN_JOB | RUN | REPLAY | DECODE, "F.svg",
      "a picture (needs gnuplot); F.png, or F.html: a page with the table"},
     {"plots", required_argument, 'G', ANALYSE | REPRODUCE, "FOLDER",

@@ -300,7 +300,7 @@ def cost(budget):
             f"{ram['lode_drive_t'] + ram['lode_drive_tuning_t']} in all as in the example above, built with all EMF "
             f"observers; with six phases {ram['lode_drive6_t']} and {ram['lode_drive6_tuning_t']}. With one observer "
             f"alone: {least_ram['lode_drive_t']} and {least_ram['lode_drive_tuning_t']}, six phases "
-            f"{least_ram['lode_drive6_t']} and {least_ram['lode_drive6_tuning_t']}. The tuning for three phases may "
+            f"{least_ram['lode_drive6_t']} and {least_ram['lode_drive6_tuning_t']}. The tuning may "
             "lie in flash instead (`sim/run design --c`). [docs/budget.md](docs/budget.md#flash-and-ram), "
             "`tests/run bench`.")
 

@@ -117,6 +117,11 @@ def light_rotor(checks, folder):
     check_machine(checks, folder, "light.ini", [])
 
 
+def sheet_without_leakage(folder):
+    lines = (DATA / "motors" / "ultrazohm6.ini").read_text().splitlines(keepends=True)
+    return folder.write("no_leakage.ini", "".join(line for line in lines if not line.startswith("Lxy_H")))
+
+
 def files_and_refusals(checks, folder):
     done = folder.run("commission", "--out", "found.ini", "--json", "found.json")
     checks.equal(done.returncode, 0, "the main job's scenario: " + done.stderr)
@@ -151,7 +156,8 @@ def files_and_refusals(checks, folder):
         (["--motor", bare, "--drive", "jiang2022", "--out", bare], r"it is an input of this command"),
         (["--motor", bare, "--drive", "jiang2022", "--c", bare], r"it is an input of this command"),
         (["--out", "same.c", "--c", "same.c"], r"another output of this command has this name"),
-        (["--motor", "eldeeb2017", "--drive", "eldeeb2017", "--c", "six.c"], r"--c six.c: expected a drive for three phases"),
+        (["--motor", "ultrazohm6", "--c", "x.c"], r"\[drive\] i_range_A: missing"),
+        (["--motor", sheet_without_leakage(folder), "--drive", "ultrazohm6", "--c", "x.c"], r"\[motor\] Lxy_H: missing"),
     ]:
         refused(checks, folder, ["commission", *arguments], pattern)
     refused(checks, folder, ["commission", "main", "--motor", "jiang2022"],
@@ -162,25 +168,48 @@ def files_and_refusals(checks, folder):
 
 
 def six_phases(checks, folder):
-    """What is found of six phases is a motor file that the drive runs on."""
-    done = folder.run("commission", "--motor", "ultrazohm6", "--drive", "ultrazohm6",
-                      "--set", "plant.Lxy_H=2.4e-3", "--out", "six.ini")
+    """What is found of six phases is a motor file that the drive runs on, and nothing is written of what is not found."""
+    machine = ["--motor", "ultrazohm6", "--drive", "ultrazohm6"]
+    done = folder.run("commission", *machine, "--set", "plant.Lxy_H=2.4e-3", "--out", "six.ini", "--c", "six.c",
+                      "--json", "six.json")
     checks.equal(done.returncode, 0, "six phases: " + done.stdout[-200:] + done.stderr)
-    written = values(folder.path / "six.ini")
+    written, found = values(folder.path / "six.ini"), folder.json("six.json")
     checks.at_most(abs(float(written["Lxy_H"]) / 2.4e-3 - 1.0), 0.05, "leakage in the motor file")
     checks.equal(float(written["sets"]), 2.0, "sets")
     again = folder.run("run", "--motor", "six.ini", "--set", "plant.Lxy_H=2.4e-3")
     checks.equal(again.returncode, 0, "a run with the motor file: " + again.stderr)
+    # The same values in all three files, and marked where they are measured.
+    text = (folder.path / "six.c").read_text()
+    fields = dict(re.findall(r"^    \.(\S+) = \S+, // (\S+, measured)$", text, re.M))
+    for field, key in (("drive.motor.Rs_Ohm", "Rs_Ohm"), ("drive.motor.Ld_H", "Ld_H"), ("drive.motor.Lq_H", "Lq_H"),
+                       ("drive.motor.psi_Wb", "psi_Wb"), ("drive.motor.J_kgm2", "J_kgm2"),
+                       ("drive.references.Lq_fall", "Lq_fall"), ("drive.inverter.dead_time_s", "dead_time_s"),
+                       ("Lxy_H", "Lxy_H")):
+        value = float(fields.pop(field).partition(",")[0])
+        checks.at_most(abs(value - float(written[key])), 1e-7 * value, f"{field}, which is {written[key]} in the motor file")
+        if key not in ("Rs_Ohm", "dead_time_s"):  # without the switches; from dead_V
+            checks.at_most(abs(value - found[key]["value"]), 1e-7 * value, f"{key} in the JSON")
+    checks.equal(fields, {}, "and nothing else is measured")
+    checks.true("// Measured by the drive itself: what is marked." in text, "which is said")
+    # A motor that cannot turn.
+    before = folder.names()
+    held = folder.run("commission", *machine, "--set", "plant.load_kind=passive", "--set", "plant.stiction_Nm=1000",
+                      "--c", "none.c", "--json", "none.json")
+    checks.equal(held.returncode, 1, "six phases with a shaft that is held")
+    checks.true("NO_START after " in held.stdout, held.stdout[-300:])
+    checks.equal(folder.names(), before, "nothing is written")
 
 
-def tuning_of(folder, name):
-    """The C file `name`.c without its constant's name and without who wrote it."""
-    text = (folder.path / f"{name}.c").read_text()
-    return re.sub(rf"\b{name}( =|;|\))", r"NAME\1", text.partition("\n")[2])
+def constants_of(folder, name):
+    """The C file `name`.c without who wrote it, its constants' names, and the marks of what is measured, a 0 included."""
+    text = (folder.path / f"{name}.c").read_text().partition("\n")[2]
+    text = re.sub(r"^// Measured by .*\n|^    .* = 0x0p\+0f, // 0, measured\n", "", text, flags=re.M)
+    text = text.replace(", measured", "")
+    return re.sub(rf"\b{name}(_config)?( =|;|\))", r"NAME\1\2", text)
 
 
 def round_trip(checks, folder):
-    """What is commissioned and what its file gives are one tuning, to the bit."""
+    """What is commissioned and what its file gives are one tuning and one configuration, to the bit."""
     awkward = ["--set", "estimator.emf=fa-leso", "--set", "estimator.pll=enhanced",
                "--set", "speed.kp_A_s_rad=0.01", "--set", "speed.ki_A_rad=0.1",
                "--set", "speed.ramp_rpm_s=31234.5", "--set", "references.id_bias_A=none",
@@ -189,6 +218,8 @@ def round_trip(checks, folder):
                          "psi_mWb = 142\nJ_kgcm2 = 174\nspeed_rated_rpm = 1501.23456789\n")
     cases = [[], ["--motor", "drone_900KV", "--drive", "drone_900KV", *awkward],
              ["--set", "plant.i_sat_A=20", "--set", "plant.Lq_sat_H=1e-5"],
+             ["--motor", "eldeeb2017", "--drive", "eldeeb2017", "--set", "guard.open_phase=go-on", "--set",
+              "xy.resonance_rad_s=none", "--set", "estimator.winding=set-2", "--set", "plant.Lxy_H=1.1e-3"],
              ["--motor", sheet, "--drive", "jiang2022", "--set", "plant.Rs_Ohm=0.8",
               "--set", "plant.dead_time_s=3.3e-6"]]
     for case in cases:
@@ -198,8 +229,10 @@ def round_trip(checks, folder):
             continue
         again = folder.run("design", "--motor", "c.ini", "--c", "b.c")
         checks.equal(again.returncode, 0, f"design of {name}: {again.stderr}")
-        checks.true("const lode_drive_tuning_t NAME = {" in tuning_of(folder, "a"), "a constant")
-        checks.equal(tuning_of(folder, "b"), tuning_of(folder, "a"), f"tuning of {name}")
+        drive = "drive6" if "eldeeb2017" in case else "drive"
+        for kind, constant in (("tuning", "NAME"), ("config", "NAME_config")):
+            checks.true(f"const lode_{drive}_{kind}_t {constant} = {{" in constants_of(folder, "a"), f"a {kind} of {name}")
+        checks.equal(constants_of(folder, "b"), constants_of(folder, "a"), f"constants of {name}")
         if "plant.i_sat_A=20" in case:
             fall = float(values(folder.path / "c.ini")["Lq_fall"])
             checks.at_most(abs(fall * 20.0 - 1.0), 0.05, f"the fall in the motor file, {fall}")

@@ -14,6 +14,7 @@ void tearDown(void) {}
 
 /// By `lodestar design --c`, with the files and keys below: CMakeLists.txt.
 extern const lode_drive_tuning_t tuning_in_flash;
+extern const lode_drive_config_t tuning_in_flash_config;
 
 static lode_drive_config_t config_of_the_files(void) {
     static rig_config_t config;
@@ -39,6 +40,17 @@ static void test_every_member_is_that_of_the_library(void) {
     CHECK_AT_LEAST(150.0, members);
     TEST_ASSERT_EQUAL_INT(LODE_EMF_FA_LESO, tuning_in_flash.estimator.emf.observer.kind);
     TEST_ASSERT_TRUE(tuning_in_flash.estimator.notch.k > 0.0f);
+}
+
+static void test_its_configuration_is_that_of_the_files(void) {
+    const lode_drive_config_t config = config_of_the_files();
+    int fields = 0;
+#define COMPARE_FIELD(kind, type, field)                                                           \
+    TEST_ASSERT_TRUE_MESSAGE(config.field == tuning_in_flash_config.field, #field);                \
+    fields++;
+    CONFIG_FIELDS(COMPARE_FIELD)
+    CHECK_AT_LEAST(110.0, fields);
+    TEST_ASSERT_EQUAL_INT(LODE_EMF_FA_LESO, tuning_in_flash_config.estimator.emf.kind);
 }
 
 /// No byte is padding, whose value nobody knows.
@@ -95,6 +107,7 @@ static void test_the_name_comes_from_the_file(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_every_member_is_that_of_the_library);
+    RUN_TEST(test_its_configuration_is_that_of_the_files);
     RUN_TEST(test_every_byte_belongs_to_a_member);
     RUN_TEST(test_a_drive_runs_on_it);
     RUN_TEST(test_the_name_comes_from_the_file);
