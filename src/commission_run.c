@@ -18,7 +18,8 @@
 #define BIAS_GONE 2.0f              // of the upper speed, where the d current has faded
 #define REACHED 0.03f
 #define STEADY_s 0.2f
-#define MEAN_s 0.025f // time constant of the mean speed before the run
+#define MEAN_s 0.025f      // time constant of the mean speed before the run
+#define START_WAIT_s 10.0f // after the start: a heavy rotor settles slowly
 #define RUN_WAIT_s 3.0f
 // Longest time of one way of a run: that of an inertia RUN_SLOWEST times the configured one, or of as much less torque.
 #define RUN_SLOWEST 10.0f
@@ -178,7 +179,7 @@ void lode_commission_start(lode_commission_t *self) {
     if (self->calm >= lode_commission_periods(self, STEADY_s)) {
         lode_commission_enter(self, STAGE_UP);
     } else if (self->since >
-               lode_commission_periods(self, self->designed.start.timeout_s + RUN_WAIT_s)) {
+               lode_commission_periods(self, self->designed.start.timeout_s + START_WAIT_s)) {
         give_up(self, self->low_rad_s);
     } else {
         // on its way

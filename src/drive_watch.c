@@ -11,6 +11,7 @@
 #define MISSED 0.05f
 #define WOUND_UP 0.34f
 #define WINDS_UP 0.05f // with less of the current missed: the voltage rises slowly then
+#define ALONG 0.5f     // squared cosine of the angle from the missed current to the voltage
 // A current that jumps (K38).
 #define VOLTAGE_JUMP 2.5f // times the change that the voltage makes
 #define TAKEN_JUMP 2.0f   // least current, times what dead time and drops may take from a phase
@@ -138,6 +139,12 @@ static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, u
     }
 }
 
+// The voltage acts along the missed current, within 45 degrees.
+static bool acts_along(lode_dq_t u_V, lode_dq_t missed_A) {
+    const float along = u_V.d * missed_A.d + u_V.q * missed_A.q;
+    return along > 0.0f && along * along > ALONG * squared(u_V) * squared(missed_A);
+}
+
 // (S44). The current keeps its counts off its reference, with more voltage than resistance, dead time and the EMF of a rotor
 // that follows the start's vector take: stuck ADC channels, for which current control winds up, or for a few checks a rotor
 // that swings.
@@ -156,7 +163,8 @@ static float wound_up(const lode_drive_t *self) {
                          flux_Wb * lode_abs(start->omega_rad_s);
     const lode_dq_t missed_A = {self->ref_A.d - self->i_A.d, self->ref_A.q - self->i_A.q};
     const float count_A = (float)LODE_COUNT_FRACTION * self->tuning->sense.i_gain;
-    if (!(squared(self->u_V) > most_V * most_V) || !(squared(missed_A) > count_A * count_A)) {
+    if (!(squared(self->u_V) > most_V * most_V) || !(squared(missed_A) > count_A * count_A) ||
+        !acts_along(self->u_V, missed_A)) {
         return 0.0f;
     }
     return squared(missed_A) > MISSED * MISSED * current_A * current_A ? WOUND_UP : WINDS_UP;

@@ -174,6 +174,41 @@ static void test_currents_that_rest_by_the_damping_are_not_stuck(void) {
     TEST_ASSERT_EQUAL_INT(without, looks_until_stuck(rig, turn_rad, 0.0f, -0.2f));
 }
 
+/// Looks, up to 30, at counts that rest 1 A off the reference along d, at a voltage that leads the missing current by
+/// `lead_deg`: number of looks until they count as stuck.
+static int looks_until_wound_up(rig_t rig, double lead_deg) {
+    const int32_t i[LODE_PHASES] = {2560, -1280, -1280};
+    const float u_V = 40.0f; // three times what resistance and dead time take
+    lode_plausibility_reset(&rig.drive.plausibility);
+    rig.drive.i_A = (lode_dq_t){4.0f, 0.0f};
+    rig.drive.ref_A = (lode_dq_t){5.0f, 0.0f};
+    rig.drive.u_V =
+        (lode_dq_t){u_V * (float)cos(lead_deg * CHECK_DEG), u_V * (float)sin(lead_deg * CHECK_DEG)};
+    int looks = 0;
+    while (rig.drive.gates && looks < 30) {
+        lode_drive_suspect(&rig.drive, &rig.drive.plausibility, i, 1.0f);
+        looks++;
+    }
+    return looks;
+}
+
+/// (S44): control that winds up does so along the current that it misses. Any other voltage is the EMF of a rotor that swings.
+static void test_only_a_voltage_along_the_missing_current_is_wound_up(void) {
+    rig_t rig = fresh();
+    rig_command(&rig, run_at(100.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 0.2));
+    for (int n = 0; n < 10000 && !(rig.drive.state.start.current_A > 4.0f); n++) {
+        rig_step(&rig);
+    }
+    rig_expect(&rig, LODE_MODE_START);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        CHECK_AT_MOST(10, looks_until_wound_up(rig, sign * 44.0));
+        TEST_ASSERT_EQUAL_INT(30, looks_until_wound_up(rig, sign * 46.0));
+        TEST_ASSERT_EQUAL_INT(30, looks_until_wound_up(rig, sign * 136.0));
+    }
+    TEST_ASSERT_EQUAL_INT(30, looks_until_wound_up(rig, 180.0));
+}
+
 /// Looks at a current of which no count moves, with an EMF of `share` of the voltage: what is found.
 static lode_check_t found_at_rest(rig_t rig, double share, int looks) {
     const double circle_V = (double)(tuning.current.circle * 200.0f);
@@ -1089,6 +1124,7 @@ int main(void) {
     RUN_TEST(test_currents_that_rest_by_the_damping_are_not_stuck);
     RUN_TEST(test_a_current_that_the_voltage_does_not_allow_is_not_missed);
     RUN_TEST(test_converters_stuck_in_a_start_trip_before_the_current_is_large);
+    RUN_TEST(test_only_a_voltage_along_the_missing_current_is_wound_up);
     RUN_TEST(test_another_flux_is_named);
     RUN_TEST(test_another_flux_is_one_at_every_look);
     RUN_TEST(test_the_observers_lag_is_no_other_flux);

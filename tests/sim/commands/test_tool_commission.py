@@ -117,6 +117,20 @@ def light_rotor(checks, folder):
     check_machine(checks, folder, "light.ini", [])
 
 
+# Another inertia on the shaft, and the rotor where it swings most. With noise-free sensors the current of a swinging
+# rotor kept its counts for long enough to pass for CURRENT_STUCK; a heavy rotor took more than 3 s to settle after its start.
+OTHER_INERTIA = [("pmsyrm_5kW", 0.3, 0), ("pmsyrm_5kW", 0.3, 15), ("fan_325V", 10, 90), ("jiang2022", 10, 60)]
+
+
+def other_inertia(checks, folder):
+    for motor, factor, theta_deg in OTHER_INERTIA:
+        done = folder.run("commission", "--motor", motor, "--drive", motor, "--set", f"plant.J_factor={factor}",
+                          "--set", f"plant.theta0_deg={theta_deg}", "--json", "other.json")
+        if checks.equal(done.returncode, 0, f"{motor}, J x{factor}: {done.stdout[-200:]}"):
+            off = abs(folder.json("other.json")["J_kgm2"]["value"] / truth_of(done.stdout)["J_kgm2"] - 1.0)
+            checks.at_most(off, BARS["J_kgm2"], f"{motor}, J x{factor}")
+
+
 def sheet_without_leakage(folder):
     lines = (DATA / "motors" / "ultrazohm6.ini").read_text().splitlines(keepends=True)
     return folder.write("no_leakage.ini", "".join(line for line in lines if not line.startswith("Lxy_H")))
@@ -256,6 +270,7 @@ def main():
     with Folder() as folder:
         catalogue(checks, folder)
         light_rotor(checks, folder)
+        other_inertia(checks, folder)
         files_and_refusals(checks, folder)
         six_phases(checks, folder)
     with Folder() as folder:
