@@ -209,6 +209,32 @@ static void test_only_a_voltage_along_the_missing_current_is_wound_up(void) {
     TEST_ASSERT_EQUAL_INT(30, looks_until_wound_up(rig, 180.0));
 }
 
+/// The amplitude that the phases should show, after looks at currents of 3 A (RUN, reference 5 A) of which `kept` have kept
+/// their counts, with an EMF of `share` of the voltage.
+static double amplitude_A(rig_t rig, double share, int kept) {
+    const double circle_V = (double)(tuning.current.circle * 200.0f);
+    const int32_t before[LODE_PHASES] = {30000, -12000, -18000};
+    const int32_t now[LODE_PHASES] = {kept > 0 ? 30000 : 29000, kept > 1 ? -12000 : -11500,
+                                      kept > 2 ? -18000 : -17500};
+    rig.drive.estimator.pll.omega_rad_s = (float)(share * circle_V / 0.142);
+    rig.drive.ref_A = (lode_dq_t){0.0f, 5.0f};
+    rig.drive.i_A = (lode_dq_t){0.0f, 3.0f};
+    lode_plausibility_reset(&rig.drive.plausibility);
+    for (int look = 0; look < 3; look++) { // kept twice in a row
+        lode_drive_suspect(&rig.drive, &rig.drive.plausibility, look < 2 ? before : now, 1.0f);
+    }
+    return sqrt((double)rig.drive.plausibility.i_A2);
+}
+
+/// The reference where the current can follow it, else the measured one, unless all three stand still: a channel that stands
+/// still measures nothing.
+static void test_what_the_phases_should_show(void) {
+    const rig_t rig = running(100.0, 8.0);
+    CHECK_NEAR(1e-5, 5.0, amplitude_A(rig, 0.78, 2));
+    CHECK_NEAR(1e-5, 3.0, amplitude_A(rig, 0.82, 2));
+    CHECK_NEAR(1e-5, 5.0, amplitude_A(rig, 0.82, 3));
+}
+
 /// Looks at a current of which no count moves, with an EMF of `share` of the voltage: what is found.
 static lode_check_t found_at_rest(rig_t rig, double share, int looks) {
     const double circle_V = (double)(tuning.current.circle * 200.0f);
@@ -1125,6 +1151,7 @@ int main(void) {
     RUN_TEST(test_a_current_that_the_voltage_does_not_allow_is_not_missed);
     RUN_TEST(test_converters_stuck_in_a_start_trip_before_the_current_is_large);
     RUN_TEST(test_only_a_voltage_along_the_missing_current_is_wound_up);
+    RUN_TEST(test_what_the_phases_should_show);
     RUN_TEST(test_another_flux_is_named);
     RUN_TEST(test_another_flux_is_one_at_every_look);
     RUN_TEST(test_the_observers_lag_is_no_other_flux);
