@@ -8,7 +8,8 @@
 #define SALIENT_SHARE 0.5f  // of psi/(Lq - Ld), at which nothing holds a salient rotor any more
 #define HANDOVER_SHARE 0.1f // of rated speed
 // Least ratio of the EMF at hand-over to the voltage that is not modelled (S12): a microsecond of dead time, which
-// makes (4/pi) v_bus f_pwm times that along the current, and 30 % of the resistance (a warm winding).
+// makes (4/pi) v_bus f_pwm times that along the current, and 30 % of the resistance (a warm winding). Without dead-time
+// correction the configured dead time and drops too.
 #define EMF_PER_UNKNOWN 2.0f
 #define DEAD_TIME_UNKNOWN_s 1.0e-6f
 #define RESISTANCE_UNKNOWN 0.3f
@@ -133,12 +134,25 @@ static float drop_V(const lode_motor_t *motor, const lode_inverter_config_t *inv
     return (motor->Rs_Ohm + inverter->r_on_Ohm) * current_A;
 }
 
-// Voltage along the start current that is not modelled (S12).
+// Voltage along the start current that dead time of `dead_time_s` takes, and drops.
+static float lost_V(const lode_inverter_config_t *inverter, float dead_time_s, float v_drop_V,
+                    float ts_s) {
+    const float carrier_Hz = lode_inverter_carrier_Hz(inverter, 1.0f / ts_s);
+    return FOUR_PER_PI * (inverter->v_bus_V * dead_time_s * carrier_Hz + v_drop_V);
+}
+
+// Voltage along the start current that nobody knows (S12).
 static float unknown_V(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
                        float current_A, float ts_s) {
-    const float carrier_Hz = lode_inverter_carrier_Hz(inverter, 1.0f / ts_s);
-    const float dead_time_V = FOUR_PER_PI * inverter->v_bus_V * DEAD_TIME_UNKNOWN_s * carrier_Hz;
-    return dead_time_V + RESISTANCE_UNKNOWN * drop_V(motor, inverter, current_A);
+    return lost_V(inverter, DEAD_TIME_UNKNOWN_s, 0.0f, ts_s) +
+           RESISTANCE_UNKNOWN * drop_V(motor, inverter, current_A);
+}
+
+// Voltage along the start current that is known, but neither corrected nor part of the observer's voltage (S12).
+static float left_out_V(const lode_inverter_config_t *inverter, float ts_s) {
+    const bool counts =
+        inverter->dead_time_correction == LODE_ON || inverter->dead_time_model == LODE_ON;
+    return counts ? 0.0f : lost_V(inverter, inverter->dead_time_s, inverter->v_drop_V, ts_s);
 }
 
 // Electrical speed at which i_max in a warm winding and the EMF use up the bus.
@@ -165,11 +179,11 @@ static float omega_of_light_rotor(const lode_motor_t *motor, const lode_inverter
     return lode_sqrt(LIGHT_ROTOR * lost * acc_rad_s2);
 }
 
-// Electrical speed from which the EMF exceeds the unmodelled voltage enough (S12).
+// Electrical speed from which the EMF exceeds the voltage that is not modelled enough (S12).
 static float omega_of_emf(const lode_motor_t *motor, const lode_inverter_config_t *inverter,
                           float current_A, float ts_s) {
-    return EMF_PER_UNKNOWN * unknown_V(motor, inverter, current_A, ts_s) /
-           lode_max(motor->psi_Wb, FLT_MIN);
+    const float least_V = unknown_V(motor, inverter, current_A, ts_s) + left_out_V(inverter, ts_s);
+    return EMF_PER_UNKNOWN * least_V / lode_max(motor->psi_Wb, FLT_MIN);
 }
 
 // (S52): an error of Lq turns the angle, PLL and speed control pass that on to the current, and the lower the speed the

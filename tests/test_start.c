@@ -910,6 +910,20 @@ static void test_hand_over_speed_follows_what_is_not_known(void) {
     const double unknown_V =
         4.0 / CHECK_PI * (double)board.v_bus_V * 1.0e-6 / 2.0e-4 + 0.3 * 0.8 * 6.0;
     CHECK_CLOSE(1.0e-5, 2.0 * unknown_V / 0.05, config.omega_handover_rad_s);
+    // Dead time and drops count where nothing takes them into account.
+    board.dead_time_s = 0.5e-6f;
+    board.v_drop_V = 0.2f;
+    const double lost_V = 4.0 / CHECK_PI * ((double)board.v_bus_V * 0.5e-6 / 2.0e-4 + 0.2);
+    for (int corrected = 0; corrected <= 1; corrected++) {
+        for (int modelled = 0; modelled <= 1; modelled++) {
+            board.dead_time_correction = corrected == 1 ? LODE_ON : LODE_OFF;
+            board.dead_time_model = modelled == 1 ? LODE_ON : LODE_OFF;
+            lode_start_config_t lossy = {.current_A = 6.0f};
+            lode_start_design(&lossy, &board, &motor, PAPER_TS_s);
+            const double more_V = corrected + modelled == 0 ? lost_V : 0.0;
+            CHECK_CLOSE(1.0e-5, 2.0 * (unknown_V + more_V) / 0.05, lossy.omega_handover_rad_s);
+        }
+    }
     motor.psi_Wb = 0.006f;
     lode_start_config_t weak = {.current_A = 6.0f};
     lode_start_design(&weak, &board, &motor, PAPER_TS_s);
