@@ -61,9 +61,16 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 #define SIGMA_RUN_UP 17.0f
 // Upper bounds, for the observer (0.2 w0) and for sampling ...
 #define SIGMA_RATED_MAX 0.66f
-// (P28): a hand-over beyond this share of rated speed is late; sigma is raised if below this share of what is required.
+// (P28): a hand-over beyond this share of rated speed is late; sigma is raised if below this share of what is required. Both
+// go further for a motor whose angle an error of Lq - Ld hardly turns and that a rated load does not stop at once (P29).
 #define LATE_HANDOVER 0.2f
 #define LATE_NEED 0.175f
+#define FIRM_HANDOVER 0.15f
+#define FIRM_NEED 0.6f
+#define FIRM_LOST 0.2f
+#define FIRM_STOPS_s 0.0066f // (K15) within 10 ms, as for (K37)
+#define FIRM_LATEST                                                                                \
+    0.3f // of rated speed: a torque motor that hands over at half of it would only get torque ripple
 #define SIGMA_TS_MAX 0.07f
 // ... and lower where the start current weakens the active flux, because an error of Lq - Ld then turns the angle. With MTPA
 // the d current moves with the torque, and such an error turns the angle twice; with half of the flux lost (the largest start
@@ -109,12 +116,25 @@ static float sigma_by_speed(const lode_drive_config_t *config) {
     return SIGMA_RATED_MAX * share * motor->omega_rated_rad_s;
 }
 
-// (P28): how many times more it allows at a late hand-over, if needed.
+// (P29): an error of Lq - Ld hardly turns the angle, and a loop can hold a rated load at the hand-over.
+static bool gets_firm(const lode_drive_config_t *config) {
+    const lode_motor_t *motor = &config->motor;
+    const float lost_Wb = lode_abs(motor->Lq_H - motor->Ld_H) * config->start.current_A;
+    const float handover_s =
+        lode_motor_run_up_s(motor, config->inverter.i_max_A) * config->start.omega_handover_rad_s;
+    return lost_Wb <= FIRM_LOST * motor->psi_Wb &&
+           config->start.omega_handover_rad_s <= FIRM_LATEST * motor->omega_rated_rad_s &&
+           handover_s >= FIRM_STOPS_s * motor->omega_rated_rad_s;
+}
+
+// (P28), (P29): how many times more it allows at a late hand-over, if needed.
 static float late_times(const lode_drive_config_t *config) {
+    const bool firm = gets_firm(config);
+    const float late = firm ? FIRM_HANDOVER : LATE_HANDOVER;
     const float by_handover = config->start.omega_handover_rad_s /
-                              (LATE_HANDOVER * lode_max(config->motor.omega_rated_rad_s, FLT_MIN));
-    const float by_need =
-        LATE_NEED * sigma_by_run_up(config) / lode_max(sigma_by_speed(config), FLT_MIN);
+                              (late * lode_max(config->motor.omega_rated_rad_s, FLT_MIN));
+    const float by_need = (firm ? FIRM_NEED : LATE_NEED) * sigma_by_run_up(config) /
+                          lode_max(sigma_by_speed(config), FLT_MIN);
     return lode_max(lode_min(by_handover, by_need), 1.0f);
 }
 

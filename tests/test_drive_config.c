@@ -672,6 +672,34 @@ static void test_a_late_hand_over_leaves_room_for_sigma(void) {
     }
 }
 
+/// sigma over what `rated` speed allows. The motor loses `lost` of its flux to an error of Lq - Ld, hands over at `late` of rated
+/// speed, and its run-up time requires `need`, rad/s.
+static double times_of_sigma(double rated, double late, double lost, double need) {
+    lode_drive_config_t config = minimal();
+    lode_motor_t *motor = &config.motor;
+    config.f_pwm_Hz = 20000.0f;
+    config.references.field_weakening = LODE_ON; // no (P21)
+    config.start.current_A = 6.0f;
+    motor->omega_rated_rad_s = (float)rated;
+    motor->Lq_H = motor->Ld_H + (float)(lost * (double)motor->psi_Wb / 6.0);
+    config.start.omega_handover_rad_s = (float)(late * rated);
+    motor->J_kgm2 *= (float)(17.0 / need / (double)lode_motor_run_up_s(motor, 12.0f));
+    lode_drive_design(&config);
+    return (double)config.estimator.pll.sigma_low_rad_s / (0.66 * (1.0 - 1.2 * lost) * rated);
+}
+
+/// (P29): with little saliency, a hand-over up to 0.3 of rated speed and a rotor that a rated load does not stop at once, 0.15
+/// takes the place of a fifth and 0.6 that of 0.175.
+static void test_a_rotor_that_can_be_held_gets_more_sigma(void) {
+    CHECK_CLOSE(1.0e-4, 0.6 * 600.0 / (0.66 * 471.0), times_of_sigma(471.0, 0.25, 0.0, 600.0));
+    CHECK_CLOSE(1.0e-4, 1.0, times_of_sigma(471.0, 0.25, 0.0, 17.0 * 0.25 / 0.0065));
+    CHECK_CLOSE(1.0e-4, 0.25 / 0.15, times_of_sigma(200.0, 0.25, 0.0, 500.0));
+    CHECK_CLOSE(1.0e-4, 0.29 / 0.15, times_of_sigma(200.0, 0.29, 0.0, 500.0));
+    CHECK_CLOSE(1.0e-4, 1.0, times_of_sigma(200.0, 0.31, 0.0, 500.0));
+    CHECK_CLOSE(1.0e-4, 0.25 / 0.15, times_of_sigma(200.0, 0.25, 0.19, 500.0));
+    CHECK_CLOSE(1.0e-4, 1.0, times_of_sigma(200.0, 0.25, 0.21, 500.0));
+}
+
 static void test_a_late_hand_over_stretches_the_schedule(void) {
     const double high = 0.2 * PAPER_OMEGA_RATED;
     lode_drive_config_t config = minimal();
@@ -997,6 +1025,7 @@ int main(void) {
     RUN_TEST(test_field_weakening_has_its_estimators);
     RUN_TEST(test_a_late_hand_over_stretches_the_schedule);
     RUN_TEST(test_a_late_hand_over_leaves_room_for_sigma);
+    RUN_TEST(test_a_rotor_that_can_be_held_gets_more_sigma);
     RUN_TEST(test_a_light_rotor_with_mtpa_has_a_tenth_more_sigma);
     RUN_TEST(test_motors_of_many_kinds_need_no_more);
     RUN_TEST(test_every_needed_field_at_its_limits);

@@ -44,6 +44,24 @@ v_drop_V = 1.2
 r_on_Ohm = 0.04
 """
 
+# A gearless elevator's motor: a rated load stops it in some 30 ms at its least speed (P29).
+ELEVATOR = """[motor]
+pole_pairs = 10
+Rs_Ohm = 0.8
+Ld_H = 14e-3
+Lq_H = 18e-3
+psi_Wb = 1.05
+J_kgm2 = 2.5
+speed_rated_rpm = 160
+[drive]
+v_bus_V = 540
+i_max_A = 35
+f_pwm_Hz = 5000
+dead_time_s = 3e-6
+i_range_A = 140
+v_range_V = 810
+"""
+
 # A pump's reluctance machine with ferrite magnets, whose Lq i_max is four times its flux (S52).
 FERRITE = """[motor]
 pole_pairs = 2
@@ -147,8 +165,10 @@ def test(checks, folder):
     for name, cause in outcomes(folder, fast):
         checks.equal(cause, None, f"salient and fast, {name}")
     folder.write("torque.ini", TORQUE)
+    folder.write("elevator.ini", ELEVATOR)
     folder.write("ferrite.ini", FERRITE)
     for motor, part, errors, least in [("torque", "run", "narrow", 12), ("torque", "run", "wide", 12),
+                                       ("elevator", "run", "narrow", 19), ("elevator", "run", "wide", 17),
                                        ("ferrite", "start", "start", 22), ("ferrite", "run", "wide", 20)]:
         folder.run("monte-carlo", part, "--errors", errors, "--motors", f"{motor}.ini", "--n", 24, "--json", "rows.json")
         passed = [row["result"] for row in folder.json("rows.json")["rows"]].count("pass")
