@@ -7,9 +7,6 @@
 // amplifier takes to settle.
 #define DUTY_PRECHARGE 0.8f
 
-// Lq over Ld, as configured, from which a motor has the larger Lq even if both are 20 % off (S40).
-#define SALIENT 1.5f
-
 // The commanded mode if it has all gates on, else OFF.
 static lode_mode_t driven_mode(const lode_drive_t *self) {
     const lode_mode_t wanted = (lode_mode_t)self->command.mode;
@@ -175,7 +172,7 @@ static LODE_NOINLINE bool check_signals(lode_drive_t *self, const lode_sample_t 
 
 #ifndef LODE_WITHOUT_PRECHARGE
 
-// START after the check: a rotor configured as clearly salient gets the vector ahead of its axis, if that is known (S40).
+// START after the check: a rotor configured as salient gets the vector ahead of its axis, if that is known (S40).
 static LODE_NOINLINE void switch_on_ahead(lode_drive_t *self, lode_mode_t driven) {
 #ifdef LODE_WITHOUT_SIGNAL_CHECK
     lode_mode_switch_on(self, driven);
@@ -184,7 +181,7 @@ static LODE_NOINLINE void switch_on_ahead(lode_drive_t *self, lode_mode_t driven
     const lode_sincos_t axis = lode_signal_check_axis(&self->state.precharge.by.check);
     const bool known = lode_abs(axis.sin) + lode_abs(axis.cos) > 0.0f;
     lode_mode_switch_on(self, driven); // overwrites state.precharge
-    if (driven == LODE_MODE_START && known && motor->Lq_H * motor->inv_Ld > SALIENT) {
+    if (driven == LODE_MODE_START && known && motor->Lq_H * motor->inv_Ld > 1.0f) {
         lode_start_lead(&self->state.start, axis, self->command.speed_rad_s);
     }
 #endif
