@@ -77,8 +77,8 @@ static float acc_max_rad_s2(const lode_adaptation_machine_t *self) {
 }
 
 static float J_share(const lode_adaptation_machine_t *self) {
-    return lode_clamp((J_PRIOR + self->asked) / (J_PRIOR + lode_max(self->seen, 0.0f)), J_MIN,
-                      J_MAX);
+    return lode_clamp((J_PRIOR + self->ramp_torque) / (J_PRIOR + lode_max(self->ramp_acc, 0.0f)),
+                      J_MIN, J_MAX);
 }
 
 static lode_adapted_t adapted(float value, float confidence) {
@@ -86,7 +86,7 @@ static lode_adapted_t adapted(float value, float confidence) {
 }
 
 static lode_adapted_t J_found(const lode_adaptation_machine_t *self) {
-    const float seen = lode_max(self->seen, 0.0f);
+    const float seen = lode_max(self->ramp_acc, 0.0f);
     const float agreed = lode_max(1.0f - SPREAD_DOUBT * self->spread, 0.0f);
     return adapted(self->motor.J_kgm2 * J_share(self), agreed * seen / (J_PRIOR + seen));
 }
@@ -105,8 +105,8 @@ lode_adaptation_found_t lode_adaptation_machine_found(const lode_adaptation_mach
     return (lode_adaptation_found_t){J_found(self), psi_found(self), Rs_found(self)};
 }
 
-void lode_adaptation_machine_tell(const lode_adaptation_machine_t *self,
-                                  lode_telemetry_t *telemetry) {
+void lode_adaptation_machine_telemetry(const lode_adaptation_machine_t *self,
+                                       lode_telemetry_t *telemetry) {
     const lode_adaptation_found_t found = lode_adaptation_machine_found(self);
     telemetry->motor.J_kgm2 = found.J_kgm2;
     telemetry->motor.psi_Wb = found.psi_Wb;
@@ -124,9 +124,10 @@ static void recall(lode_adaptation_machine_t *self, const lode_adaptation_found_
     const lode_motor_t *motor = &self->motor;
     const float J = stored_confidence(stored->J_kgm2, motor->J_kgm2, J_MIN, J_MAX);
     if (self->adapts_J && J > 0.0f) {
-        self->seen = lode_min(J_PRIOR * J / lode_max(1.0f - J, FLT_EPSILON), J_MEMORY);
+        self->ramp_acc = lode_min(J_PRIOR * J / lode_max(1.0f - J, FLT_EPSILON), J_MEMORY);
         self->spread = 0.0f;
-        self->asked = stored->J_kgm2.value / motor->J_kgm2 * (J_PRIOR + self->seen) - J_PRIOR;
+        self->ramp_torque =
+            stored->J_kgm2.value / motor->J_kgm2 * (J_PRIOR + self->ramp_acc) - J_PRIOR;
     }
     const float psi =
         stored_confidence(stored->psi_Wb, motor->psi_Wb, 1.0f - PSI_MAX, 1.0f + PSI_MAX);
@@ -210,8 +211,8 @@ static float difference(float J, float other) {
 
 // (O3): an edge on which the load has moved is not used.
 static bool is_useful(const lode_adaptation_edge_t *edge) {
-    return edge->seen > J_PRIOR && edge->asked > 0.0f &&
-           square(edge->both) >= COHERENCE_MIN * edge->torque2 * edge->acc2;
+    return edge->ramp_acc > J_PRIOR && edge->ramp_torque > 0.0f &&
+           square(edge->torque_acc) >= COHERENCE_MIN * edge->torque2 * edge->acc2;
 }
 
 // (O3): an edge that agrees goes into the mean. Two in a row that do not, but agree with each other, show another inertia.
@@ -221,8 +222,8 @@ static void judge_edge(lode_adaptation_machine_t *self) {
     if (!is_useful(&edge)) {
         return;
     }
-    const float J = edge.asked / edge.seen;
-    const bool first = !(self->seen > 0.0f);
+    const float J = edge.ramp_torque / edge.ramp_acc;
+    const bool first = !(self->ramp_acc > 0.0f);
     float off = first ? self->spread : difference(J, J_share(self));
     float keep = 1.0f - lode_min(edge.energy / J_MEMORY, FORGET_MAX);
     bool taken = true;
@@ -237,8 +238,8 @@ static void judge_edge(lode_adaptation_machine_t *self) {
     }
     self->spread += SPREAD_WEIGHT * (off - self->spread);
     if (taken) {
-        self->seen = keep * self->seen + edge.seen;
-        self->asked = keep * self->asked + edge.asked;
+        self->ramp_acc = keep * self->ramp_acc + edge.ramp_acc;
+        self->ramp_torque = keep * self->ramp_torque + edge.ramp_torque;
         self->other = 0.0f;
     }
 }
@@ -263,11 +264,11 @@ static void follow_inertia(lode_adaptation_machine_t *self, const lode_telemetry
     if (lode_abs(z) >= EDGE_MIN) {
         const float weight = 4.0f * x;
         edge->energy += weight * z * z;
-        edge->seen += weight * z * acc;
-        edge->asked += weight * z * torque;
+        edge->ramp_acc += weight * z * acc;
+        edge->ramp_torque += weight * z * torque;
         edge->torque2 += weight * torque * torque;
         edge->acc2 += weight * acc * acc;
-        edge->both += weight * torque * acc;
+        edge->torque_acc += weight * torque * acc;
     }
     if (lode_abs(z) < EDGE_MIN || edge->energy > J_MEMORY) {
         judge_edge(self);
@@ -474,7 +475,7 @@ static bool follows_ramp(const lode_drive_t *drive) {
     return (drive->command.flags & (uint32_t)LODE_ORDER_TORQUE) == 0u;
 }
 
-bool lode_adaptation_machine_look(lode_adaptation_machine_t *self, const lode_drive_t *drive,
+bool lode_adaptation_machine_step(lode_adaptation_machine_t *self, const lode_drive_t *drive,
                                   bool taken) {
     lode_telemetry_t now;
     (void)lode_drive_telemetry(drive, &now);
@@ -526,7 +527,7 @@ static void post(lode_adaptation_t *self, lode_drive_t *drive) {
 
 bool lode_adaptation_step(lode_adaptation_t *self, lode_drive_t *drive) {
     const bool due =
-        lode_adaptation_machine_look(&self->machine, drive, lode_drive_tuning_taken(drive));
+        lode_adaptation_machine_step(&self->machine, drive, lode_drive_tuning_taken(drive));
     if (due) {
         post(self, drive);
     }
@@ -547,6 +548,6 @@ lode_adaptation_found_t lode_adaptation_found(const lode_adaptation_t *self) {
     return lode_adaptation_machine_found(&self->machine);
 }
 
-void lode_adaptation_tell(const lode_adaptation_t *self, lode_telemetry_t *telemetry) {
-    lode_adaptation_machine_tell(&self->machine, telemetry);
+void lode_adaptation_telemetry(const lode_adaptation_t *self, lode_telemetry_t *telemetry) {
+    lode_adaptation_machine_telemetry(&self->machine, telemetry);
 }

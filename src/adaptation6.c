@@ -31,7 +31,7 @@ static void post(lode_adaptation6_t *self, lode_drive6_t *drive) {
 }
 
 bool lode_adaptation6_step(lode_adaptation6_t *self, lode_drive6_t *drive) {
-    const bool due = lode_adaptation_machine_look(&self->machine, &drive->drive,
+    const bool due = lode_adaptation_machine_step(&self->machine, &drive->drive,
                                                   lode_drive6_tuning_taken(drive));
     if (due) {
         post(self, drive);
@@ -54,6 +54,6 @@ lode_adaptation_found_t lode_adaptation6_found(const lode_adaptation6_t *self) {
     return lode_adaptation_machine_found(&self->machine);
 }
 
-void lode_adaptation6_tell(const lode_adaptation6_t *self, lode_telemetry_t *telemetry) {
-    lode_adaptation_machine_tell(&self->machine, telemetry);
+void lode_adaptation6_telemetry(const lode_adaptation6_t *self, lode_telemetry_t *telemetry) {
+    lode_adaptation_machine_telemetry(&self->machine, telemetry);
 }

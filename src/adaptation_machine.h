@@ -12,7 +12,7 @@ lode_status_t lode_adaptation_machine_init(lode_adaptation_machine_t *self,
                                            const lode_adaptation_found_t *stored);
 
 // Evaluates the drive's present state. `taken`: the drive has taken every posted tuning. True: a new one is to be posted.
-bool lode_adaptation_machine_look(lode_adaptation_machine_t *self, const lode_drive_t *drive,
+bool lode_adaptation_machine_step(lode_adaptation_machine_t *self, const lode_drive_t *drive,
                                   bool taken);
 
 // Writes the values in use into a copy of the base.
@@ -24,7 +24,7 @@ void lode_adaptation_machine_posts(lode_adaptation_machine_t *self,
 
 lode_adaptation_found_t lode_adaptation_machine_found(const lode_adaptation_machine_t *self);
 
-void lode_adaptation_machine_tell(const lode_adaptation_machine_t *self,
-                                  lode_telemetry_t *telemetry);
+void lode_adaptation_machine_telemetry(const lode_adaptation_machine_t *self,
+                                       lode_telemetry_t *telemetry);
 
 #endif

@@ -100,10 +100,10 @@ LODE_NOINLINE lode_dq_t lode_current_limit(lode_current_t *self,
             lode_min(lode_abs(at->induced_V.q) + Q_SHARE * radius_V, Q_MOST * radius_V);
         d_max_V = lode_min(d_max_V, left_V(radius_V, q_V));
     }
-    const float ud_V = lode_clamp(at->asked_V.d, -d_share_V, d_max_V);
+    const float ud_V = lode_clamp(at->unlimited_V.d, -d_share_V, d_max_V);
     const float q_max_V = left_V(radius_V, ud_V);
-    const lode_dq_t u_V = {ud_V, lode_clamp(at->asked_V.q, -q_max_V, q_max_V)};
-    lode_pi_settle(&self->d, &tuning->d, at->error_A.d, at->induced_V.d, at->asked_V.d, u_V.d);
-    lode_pi_settle(&self->q, &tuning->q, at->error_A.q, at->induced_V.q, at->asked_V.q, u_V.q);
+    const lode_dq_t u_V = {ud_V, lode_clamp(at->unlimited_V.q, -q_max_V, q_max_V)};
+    lode_pi_settle(&self->d, &tuning->d, at->error_A.d, at->induced_V.d, at->unlimited_V.d, u_V.d);
+    lode_pi_settle(&self->q, &tuning->q, at->error_A.q, at->induced_V.q, at->unlimited_V.q, u_V.q);
     return u_V;
 }

@@ -15,7 +15,7 @@ typedef struct {
 typedef struct {
     lode_dq_t error_A;
     lode_dq_t induced_V;
-    lode_dq_t asked_V;
+    lode_dq_t unlimited_V;
     float radius_V;
 } lode_current_case_t;
 
@@ -45,14 +45,14 @@ LODE_INLINE lode_current_out_t lode_current_step(lode_current_t *self,
                                                  float v_bus_V) {
     const lode_dq_t error = {ref_A.d - i_A.d, ref_A.q - i_A.q};
     const lode_pi_tuning_t q = {self->kp_q_V_A, tuning->q.ki_Ts};
-    const lode_dq_t asked = {lode_pi_output(&self->d, &tuning->d, error.d, ff.d),
-                             lode_pi_output(&self->q, &q, error.q, ff.q)};
-    if (lode_current_is_free(tuning, asked, v_bus_V)) {
+    const lode_dq_t unlimited = {lode_pi_output(&self->d, &tuning->d, error.d, ff.d),
+                                 lode_pi_output(&self->q, &q, error.q, ff.q)};
+    if (lode_current_is_free(tuning, unlimited, v_bus_V)) {
         lode_pi_integrate(&self->d, &tuning->d, error.d);
         lode_pi_integrate(&self->q, &tuning->q, error.q);
-        return (lode_current_out_t){asked, true};
+        return (lode_current_out_t){unlimited, true};
     }
-    const lode_current_case_t edge = {error, ff, asked, tuning->circle * v_bus_V};
+    const lode_current_case_t edge = {error, ff, unlimited, tuning->circle * v_bus_V};
     const lode_dq_t u_V =
         lode_current_limit(self, tuning, &edge); // copied, as in estimator_inline.h
     return (lode_current_out_t){{u_V.d, u_V.q}, false};

@@ -34,7 +34,7 @@ lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
 
 // Tells the interrupt that something is posted. `mail` first: in the other order, an interrupt in between could set `steady`
 // again.
-void lode_drive_call(lode_drive_t *self) {
+void lode_drive_notify(lode_drive_t *self) {
     LODE_SIGNAL_FENCE();
     LODE_SHARED_STORE(self->mail, true);
     LODE_SIGNAL_FENCE();
@@ -113,7 +113,7 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
     self->posted = order;
     LODE_SIGNAL_FENCE();
     LODE_SHARED_STORE(self->command_posted, LODE_POST_FULL);
-    lode_drive_call(self);
+    lode_drive_notify(self);
     return LODE_OK;
 }
 
@@ -130,7 +130,7 @@ lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning
     lode_tuning_post_check(self, lode_tuning_words(tuning));
     LODE_SIGNAL_FENCE();
     LODE_SHARED_STORE(self->posted_tuning, tuning);
-    lode_drive_call(self);
+    lode_drive_notify(self);
     return LODE_OK;
 }
 
@@ -263,7 +263,7 @@ LODE_NOINLINE void lode_drive_optimal_references(lode_drive_t *self) {
                                 self->estimator.pll.omega_rad_s, self->inverter.v_bus_V);
     self->ref_A = out.i_A;
     run->speed.limit_Nm = lode_drive_torque_limits(self, out.torque_Nm);
-    if (lode_references_asks(tuning, LODE_REFERENCES_SATURATE)) {
+    if (lode_references_has(tuning, LODE_REFERENCES_SATURATE)) {
         saturate_control(self); // before current control meets the new reference
     }
 }
@@ -412,10 +412,10 @@ LODE_INLINE lode_estimate_t estimate(lode_drive_t *self, const lode_drive_tuning
 // Duties for the requested voltage, and the voltage that the motor will see.
 LODE_INLINE lode_abc_t modulate(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                 const lode_frame_t *frame, bool free) {
-    const lode_asked_t asked = lode_drive_ask(self, tuning, frame);
+    const lode_demand_t demand = lode_drive_demand(self, tuning, frame);
     const lode_ab_t v =
-        lode_ab_scale(self->inverter.per_V, lode_park_inverse(asked.u_V, frame->applied));
-    const lode_ab_t i_A = lode_park_inverse(asked.i_A, frame->applied);
+        lode_ab_scale(self->inverter.per_V, lode_park_inverse(demand.u_V, frame->applied));
+    const lode_ab_t i_A = lode_park_inverse(demand.i_A, frame->applied);
     const lode_modulator_out_t out =
         lode_modulator_step(&tuning->inverter, &self->inverter.dead_time, v, i_A, free);
     lode_inverter_write(&self->inverter, self->steps, out.realised);

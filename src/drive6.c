@@ -9,7 +9,7 @@
 
 #define TELEMETRY_TRIES 3
 // Set 2 is checked once per round, set 1 twice.
-#define LOOKS_OF_SET_2 2.0f
+#define CHECKS_OF_SET_2 2.0f
 #define STILL_MOST 255u
 #define ALL_KEPT ((1u << LODE_PHASES) - 1u)
 
@@ -95,7 +95,7 @@ lode_status_t lode_drive6_post_tuning(lode_drive6_t *self, const lode_drive6_tun
     lode_tuning_post_check(&self->drive, words_of(tuning));
     LODE_SIGNAL_FENCE();
     LODE_SHARED_STORE(self->posted_tuning, tuning);
-    lode_drive_call(&self->drive);
+    lode_drive_notify(&self->drive);
     return LODE_OK;
 }
 
@@ -306,12 +306,12 @@ static LODE_NOINLINE void on_open_phase(lode_drive6_t *self, lode_open_phase_t o
 
 // Currents of the set, of the other set and of the alpha-beta plane. Passed by value: a sample passed by address would be kept
 // in memory in every period.
-static LODE_NOINLINE void look_at_phases(lode_drive6_t *self, int32_t set, lode_ab_t i_set_A,
-                                         lode_ab_t i_other_A, lode_ab_t i_ab_A) {
-    const float look_s = (float)LODE_WATCH_PERIODS * self->drive.tuning->estimator.pll.ts_s;
+static LODE_NOINLINE void check_phases(lode_drive6_t *self, int32_t set, lode_ab_t i_set_A,
+                                       lode_ab_t i_other_A, lode_ab_t i_ab_A) {
+    const float interval_s = (float)LODE_WATCH_PERIODS * self->drive.tuning->estimator.pll.ts_s;
     const lode_open_phase_t open =
-        lode_open_phase_look(&self->watch, &self->tuning->watch, set, i_set_A, i_ab_A,
-                             look_s * lode_mode_frame_omega(&self->drive));
+        lode_open_phase_check(&self->watch, &self->tuning->watch, set, i_set_A, i_ab_A,
+                              interval_s * lode_mode_frame_omega(&self->drive));
     if (open > 0u) {
         on_open_phase(self, open, i_other_A);
     }
@@ -325,8 +325,8 @@ LODE_INLINE void watch_phases(lode_drive6_t *self, const lode_sample6_t *x, lode
         self->tuning->open_phase != (uint_least16_t)LODE_OPEN_PHASE_IGNORE &&
         lode_open_phase_doubts(&self->watch, &self->tuning->watch, x->machine.i_A, self->i_xy_A)) {
         const lode_ab_t i_ab_A = {x->machine.i_A.alpha, x->machine.i_A.beta};
-        look_at_phases(self, second ? 1 : 0, of_set(&x->i_A, !second), of_set(&x->i_A, second),
-                       i_ab_A);
+        check_phases(self, second ? 1 : 0, of_set(&x->i_A, !second), of_set(&x->i_A, second),
+                     i_ab_A);
     }
 }
 
@@ -349,9 +349,9 @@ LODE_INLINE lode_abc6_t modulate(lode_drive6_t *self, const lode_frame_t *frame,
                                  bool free) {
     lode_drive_t *drive = &self->drive;
     const lode_drive_tuning_t *tuning = drive->tuning;
-    const lode_asked_t asked = lode_drive_ask(drive, tuning, frame);
-    const lode_sets_t v = voltages(self, frame, asked.u_V, v_bus_V);
-    const lode_ab_t i_A = lode_park_inverse(asked.i_A, frame->applied);
+    const lode_demand_t demand = lode_drive_demand(drive, tuning, frame);
+    const lode_sets_t v = voltages(self, frame, demand.u_V, v_bus_V);
+    const lode_ab_t i_A = lode_park_inverse(demand.i_A, frame->applied);
     const lode_modulator6_out_t out =
         lode_modulator6_step(&tuning->inverter, &drive->inverter.dead_time, v, i_A, free);
     lode_inverter_write(&drive->inverter, drive->steps, out.realised.set[0]);
@@ -420,8 +420,8 @@ static LODE_NOINLINE lode_drive6_out_t idle(lode_drive6_t *self, const lode_samp
     if (drive->mail) {
         take_mail(self);
     }
-    const lode_sample_t *looked_at = checks_set2(self) ? &sample->set_2 : &sample->machine;
-    lode_mode_idle(drive, words_of(self->tuning), looked_at, calibration, worst_count);
+    const lode_sample_t *idle = checks_set2(self) ? &sample->set_2 : &sample->machine;
+    lode_mode_idle(drive, words_of(self->tuning), idle, calibration, worst_count);
     return end_idle(self);
 }
 
@@ -490,7 +490,7 @@ LODE_INLINE void watch_set2(lode_drive6_t *self, const lode_sample_t *set_2) {
         return;
     }
     lode_drive_watch(&self->drive, self->drive.tuning, &self->plausibility_2, set_2->i,
-                     LOOKS_OF_SET_2);
+                     CHECKS_OF_SET_2);
     if ((self->drive.plausibility.kept & self->plausibility_2.kept) == ALL_KEPT) {
         count_still(self);
     } else {

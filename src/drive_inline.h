@@ -38,7 +38,7 @@ lode_status_t lode_drive_tune_signal_check(lode_drive_tuning_t *t, const lode_dr
                                            const lode_motor_t *motor, const lode_fly_tuning_t *fly);
 
 // In drive.c. Tells the interrupt that something is posted.
-void lode_drive_call(lode_drive_t *self);
+void lode_drive_notify(lode_drive_t *self);
 // For duties beyond lode_sense_tuning_t.duty_max: updates `omitted` of their set. False: the duties are invalid, and the
 // drive is in FAULT.
 bool lode_drive_accept(lode_drive_t *self, uint_least8_t *omitted, const lode_abc_t *duty);
@@ -66,7 +66,7 @@ void lode_drive_check_slow(lode_drive_t *self);
 void lode_drive_count_still(lode_drive_t *self, uint16_t count, float v_bus_V);
 // A current of a set has kept its count, or their sum is too large.
 void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
-                        const int32_t i[LODE_PHASES], float looks);
+                        const int32_t i[LODE_PHASES], float checks);
 // In START with three phases: checks that each phase carries both half-waves. False, as below (except
 // lode_drive_note_jump()): the drive is in FAULT.
 bool lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
@@ -129,7 +129,7 @@ LODE_INLINE bool lode_drive_jump_ok(lode_drive_t *self) {
 LODE_INLINE lode_estimate_t lode_drive_find(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                             lode_ab_t u_V, lode_ab_t i_A) {
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
-    if (lode_references_asks(&tuning->references, LODE_REFERENCES_SATURATE)) {
+    if (lode_references_has(&tuning->references, LODE_REFERENCES_SATURATE)) {
         lode_drive_lessen_saturated(self, (lode_ab_t){i_A.alpha, i_A.beta});
     }
 #endif
@@ -207,20 +207,20 @@ LODE_INLINE bool lode_drive_control(lode_drive_t *self, const lode_drive_tuning_
 typedef struct {
     lode_dq_t u_V;
     lode_dq_t i_A; // expected while the duties act: for the dead-time correction
-} lode_asked_t;
+} lode_demand_t;
 
 // Share of its way to the reference that the current covers in the 1.5 periods from its sample to the middle of the duties'
 // period (I11): 1 - exp(-1.5 * 0.2) with the default bandwidth of current control.
 #define MOVED_SHARE 0.26f
 
 // Voltage of current control, plus the wave of injection.
-LODE_INLINE lode_asked_t lode_drive_ask(lode_drive_t *self, const lode_drive_tuning_t *tuning,
-                                        const lode_frame_t *frame) {
+LODE_INLINE lode_demand_t lode_drive_demand(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                            const lode_frame_t *frame) {
 #ifndef LODE_WITHOUT_HFI
     if (lode_estimator_injects(&self->estimator)) {
         // The reference stands for the mean current: the measured mean is two periods old. Dead-time correction by it
         // switched late near zero and left 0.25 V of EMF error across the rotor (H19).
-        return (lode_asked_t){
+        return (lode_demand_t){
             lode_hfi_add_wave(&self->estimator.by.hfi, &tuning->estimator.hfi, self->u_V),
             self->ref_A};
     }
@@ -228,9 +228,9 @@ LODE_INLINE lode_asked_t lode_drive_ask(lode_drive_t *self, const lode_drive_tun
     (void)tuning;
 #endif
     const lode_dq_t i_A = frame->i_A;
-    const lode_dq_t missed_A = {self->ref_A.d - i_A.d, self->ref_A.q - i_A.q};
-    return (lode_asked_t){self->u_V,
-                          {i_A.d + MOVED_SHARE * missed_A.d, i_A.q + MOVED_SHARE * missed_A.q}};
+    const lode_dq_t error_A = {self->ref_A.d - i_A.d, self->ref_A.q - i_A.q};
+    return (lode_demand_t){self->u_V,
+                           {i_A.d + MOVED_SHARE * error_A.d, i_A.q + MOVED_SHARE * error_A.q}};
 }
 
 // Speed control and references: in their slots, or more often.
@@ -321,7 +321,7 @@ LODE_INLINE void lode_drive_count_proof(lode_drive_t *self) {
 
 LODE_INLINE void lode_drive_adapt_lag(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
-    if (lode_references_asks(&tuning->references, LODE_REFERENCES_SATURATE)) {
+    if (lode_references_has(&tuning->references, LODE_REFERENCES_SATURATE)) {
         lode_drive_adapt_saturated_lag(self);
         return;
     }
@@ -460,16 +460,16 @@ LODE_INLINE void lode_drive_note_still(lode_drive_t *self, const lode_drive_tuni
 #endif
 }
 
-// Plausibility of a set's currents (1/256 count). The last check was `looks` times LODE_GUARD_PERIODS ago.
+// Plausibility of a set's currents (1/256 count). The last check was `checks` times LODE_GUARD_PERIODS ago.
 LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                   lode_plausibility_t *watch, const int32_t i[LODE_PHASES],
-                                  float looks) {
+                                  float checks) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
     (void)self;
     (void)tuning;
     (void)watch;
     (void)i;
-    (void)looks;
+    (void)checks;
 #else
     if (!lode_plausibility_is_on(&tuning->plausibility)) {
         return;
@@ -479,7 +479,7 @@ LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t 
     } else {
         // A copy: a sample passed by address would be kept in memory in every period.
         const int32_t copy[LODE_PHASES] = {i[0], i[1], i[2]};
-        lode_drive_suspect(self, watch, copy, looks);
+        lode_drive_suspect(self, watch, copy, checks);
     }
 #endif
 }

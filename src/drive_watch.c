@@ -127,7 +127,7 @@ static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, u
     const lode_drive_tuning_t *tuning = self->tuning;
     const float A_per_count = lode_abs(tuning->sense.i_gain);
     lode_finding_t found = lode_plausibility_find(
-        watch, &tuning->plausibility, doubt, tuning->guard.lock_looks, hold_of(self), A_per_count);
+        watch, &tuning->plausibility, doubt, tuning->guard.lock_checks, hold_of(self), A_per_count);
     if (found.check == LODE_CHECK_CURRENT_STUCK && tuning->sense.two_shunts == 0u &&
         lode_plausibility_is_open(watch, phase_of(found), A_per_count)) {
         found.check = LODE_CHECK_OPEN_PHASE; // without noise an open phase keeps its count too
@@ -140,9 +140,9 @@ static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, u
 }
 
 // The voltage acts along the missed current, within 45 degrees.
-static bool acts_along(lode_dq_t u_V, lode_dq_t missed_A) {
-    const float along = u_V.d * missed_A.d + u_V.q * missed_A.q;
-    return along > 0.0f && along * along > ALONG * squared(u_V) * squared(missed_A);
+static bool acts_along(lode_dq_t u_V, lode_dq_t error_A) {
+    const float along = u_V.d * error_A.d + u_V.q * error_A.q;
+    return along > 0.0f && along * along > ALONG * squared(u_V) * squared(error_A);
 }
 
 // (S44). The current keeps its counts off its reference, with more voltage than resistance, dead time and the EMF of a rotor
@@ -161,22 +161,22 @@ static float wound_up(const lode_drive_t *self) {
     const float flux_Wb = motor->psi_Wb + motor->Lq_H * current_A;
     const float most_V = hold_of(self).taken_V + HOT_WINDING * R_Ohm * current_A +
                          flux_Wb * lode_abs(start->omega_rad_s);
-    const lode_dq_t missed_A = {self->ref_A.d - self->i_A.d, self->ref_A.q - self->i_A.q};
+    const lode_dq_t error_A = {self->ref_A.d - self->i_A.d, self->ref_A.q - self->i_A.q};
     const float count_A = (float)LODE_COUNT_FRACTION * self->tuning->sense.i_gain;
-    if (!(squared(self->u_V) > most_V * most_V) || !(squared(missed_A) > count_A * count_A) ||
-        !acts_along(self->u_V, missed_A)) {
+    if (!(squared(self->u_V) > most_V * most_V) || !(squared(error_A) > count_A * count_A) ||
+        !acts_along(self->u_V, error_A)) {
         return 0.0f;
     }
-    return squared(missed_A) > MISSED * MISSED * current_A * current_A ? WOUND_UP : WINDS_UP;
+    return squared(error_A) > MISSED * MISSED * current_A * current_A ? WOUND_UP : WINDS_UP;
 }
 
-// Turn of the vector since the last check, `looks` times LODE_GUARD_PERIODS ago. The damping of a start may turn the vector
+// Turn of the vector since the last check, `checks` times LODE_GUARD_PERIODS ago. The damping of a start may turn the vector
 // back as fast as its speed turns it on; vector and counts then rest. This shift is known at the checks of set 1 only.
 LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, float omega_rad_s,
-                          float looks) {
+                          float checks) {
     const uint32_t periods = LODE_GUARD_PERIODS;
-    const float look_s = (float)periods * self->tuning->estimator.pll.ts_s;
-    const float turn_rad = looks * look_s * omega_rad_s;
+    const float interval_s = (float)periods * self->tuning->estimator.pll.ts_s;
+    const float turn_rad = checks * interval_s * omega_rad_s;
     if (lode_mode(self) != LODE_MODE_START) {
         return turn_rad;
     }
@@ -194,11 +194,11 @@ static uint32_t doubt_of_all(const lode_drive_t *self, lode_plausibility_t *watc
 
 // Not LODE_RAMFUNC: rarely called, and small fast memories have no room for it.
 LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
-                                      const int32_t i[LODE_PHASES], float looks) {
+                                      const int32_t i[LODE_PHASES], float checks) {
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
     const float omega = lode_mode_frame_omega(self);
-    const float turn_rad = turn_of(self, watch, omega, looks);
-    const uint32_t again = lode_plausibility_look(watch, i);
+    const float turn_rad = turn_of(self, watch, omega, checks);
+    const uint32_t again = lode_plausibility_check(watch, i);
     const bool none = again == LODE_ALL_PHASES;
     const bool follows = may_follow(self, omega);
     // what the phases should show
@@ -217,7 +217,7 @@ LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *w
 }
 
 // Current reference in stator axes.
-static lode_ab_t asked_A(const lode_drive_t *self) {
+static lode_ab_t stator_reference(const lode_drive_t *self) {
 #ifndef LODE_WITHOUT_COMMISSIONING
     if (lode_mode(self) == LODE_MODE_CURRENT) {
         return lode_park_inverse(self->ref_A, lode_sincos(self->state.theta_rad));
@@ -242,10 +242,11 @@ LODE_NOINLINE bool lode_drive_doubt_frozen(lode_drive_t *self) {
     const bool catches =
         lode_mode(self) == LODE_MODE_START && lode_start_catches(&self->state.start);
     if (lode_mode_is_voltage(self) || catches) { // no reference, or no current
-        self->frozen.looks = 0u;
+        self->frozen.checks = 0u;
         return true;
     }
-    if (lode_frozen_look(&self->frozen, tuning, asked_A(self)) && should_have_followed(self)) {
+    if (lode_frozen_check(&self->frozen, tuning, stator_reference(self)) &&
+        should_have_followed(self)) {
         lode_mode_fault(self, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
     }
     return self->gates;
@@ -297,7 +298,7 @@ LODE_NOINLINE bool lode_drive_note_jump(lode_drive_t *self, lode_ab_t i_A, lode_
                         is_beyond_dead_time(self->tuning, expected_A) &&
                         is_beyond_voltage(estimator, self->tuning, i_A, jump_A);
     const bool starts = lode_mode(self) == LODE_MODE_START;
-    if (!counts || !lode_jump_look(&self->jump, i_A, expected_A, share, starts)) {
+    if (!counts || !lode_jump_check(&self->jump, i_A, expected_A, share, starts)) {
         return false;
     }
     estimator->emf.i_A = lode_ab_add_scaled(estimator->emf.i_A, -1.0f / tuning->a_over_b, jump_V);
@@ -353,7 +354,7 @@ static bool has_voltage(const lode_drive_t *self) {
 
 // The control error tells of open phases: the rotor turns fast enough, the start current has faded, and no wave is injected,
 // whose current would add to the error.
-static bool tells_half_waves(const lode_drive_t *self) {
+static bool shows_half_waves(const lode_drive_t *self) {
     return lode_abs(self->estimator.pll.omega_rad_s) >= self->tuning->start.omega_ready &&
            !lode_mode_is_sensored(self) && !(self->state.run.fade > 0.0f) &&
            !lode_estimator_injects(&self->estimator);
@@ -361,7 +362,7 @@ static bool tells_half_waves(const lode_drive_t *self) {
 
 static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
     lode_half_waves_t *waves = &self->state.run.waves;
-    if (!tells_half_waves(self)) {
+    if (!shows_half_waves(self)) {
         *waves = (lode_half_waves_t){.idle = 0u}; // the turn is not known well enough
         return true;
     }
@@ -371,26 +372,26 @@ static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
     const lode_estimator_t *estimator = &self->estimator;
     const lode_sincos_t rotor = lode_estimator_rotor(estimator);
     const lode_half_waves_seen_t seen = {
-        .asked_A = lode_park_inverse(self->ref_A, rotor),
-        .before_A = lode_park_inverse(waves->asked_A, rotor),
+        .ref_A = lode_park_inverse(self->ref_A, rotor),
+        .before_A = lode_park_inverse(waves->ref_A, rotor),
         .i_A = estimator->emf.i_A,
         .beyond_V = lode_estimator_beyond_V(estimator, &self->tuning->estimator),
         .kp_V_A = lode_min(self->tuning->current.d.kp, self->current.kp_q_V_A),
         .turn_rad = rounds_s(self, 1u) * estimator->pll.omega_rad_s,
     };
-    return phases_ok(self, lode_half_waves_look(waves, &self->tuning->plausibility.waves, &seen));
+    return phases_ok(self, lode_half_waves_check(waves, &self->tuning->plausibility.waves, &seen));
 }
 
 // The control error takes the place of the xy plane's current of six phases (K25).
 LODE_NOINLINE bool lode_drive_watch_half_waves(lode_drive_t *self) {
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
     const lode_dq_t ref_A = self->ref_A;
-    const lode_dq_t missed_A = {ref_A.d - self->i_A.d, ref_A.q - self->i_A.q};
+    const lode_dq_t error_A = {ref_A.d - self->i_A.d, ref_A.q - self->i_A.q};
     lode_half_waves_t *waves = &self->state.run.waves;
     const bool doubts = lode_plausibility_has_waves(tuning) &&
-                        lode_half_waves_doubt(waves, &tuning->waves, ref_A, missed_A);
+                        lode_half_waves_doubt(waves, &tuning->waves, ref_A, error_A);
     const bool good = doubts ? judge_half_waves(self) : true;
-    waves->asked_A = ref_A;
+    waves->ref_A = ref_A;
     return good;
 }
 

@@ -262,8 +262,8 @@ void lode_estimator_retune(lode_estimator_t *self, const lode_estimator_tuning_t
 // A large position error is computed again, with the present amplitude and without the notches, which are not tuned for such a
 // step. Returns more than SINE_MAX if the state is not that of a motor.
 // Not LODE_RAMFUNC: rare, and small fast memories have no room for it.
-float lode_estimator_look_again(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                                lode_sincos_t frame) {
+float lode_estimator_recompute(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                               lode_sincos_t frame) {
     const lode_ab_t e_V = self->emf.observer.e_V;
     const float e2 = lode_ab_length2(e_V);
     if (!(e2 <= EMF_LIMIT_V * EMF_LIMIT_V) ||

@@ -39,8 +39,8 @@ void lode_estimator_note_rotation(lode_estimator_t *self, const lode_estimator_t
 lode_sincos_t lode_estimator_filtered_step(lode_estimator_t *self,
                                            const lode_estimator_tuning_t *tuning,
                                            float omega_rad_s);
-float lode_estimator_look_again(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
-                                lode_sincos_t frame);
+float lode_estimator_recompute(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                               lode_sincos_t frame);
 // A large position error in a period with injection.
 float lode_estimator_limit(const lode_estimator_t *self, float error);
 // The PLL is faster than the EMF says, by the share `slip`.
@@ -273,7 +273,7 @@ LODE_INLINE lode_estimate_t lode_estimator_period(lode_estimator_t *self,
     if (!(lode_abs(error) <= small)) {
         const lode_sincos_t copy = {frame.sin, frame.cos};
         error = by_wave ? lode_estimator_limit(self, error)
-                        : lode_estimator_look_again(self, tuning, copy);
+                        : lode_estimator_recompute(self, tuning, copy);
         if (!(lode_abs(error) <= SINE_MAX)) {
             lode_estimator_restart(self, tuning);
             return lode_estimator_nothing(self);

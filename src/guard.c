@@ -143,8 +143,8 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
     const float stamp = config->stamp_per_period;
     const uint32_t stamp_min = (uint32_t)(int32_t)((1.0f - STAMP_TOLERANCE) * stamp);
     const uint32_t stamp_max = (uint32_t)(int32_t)((1.0f + STAMP_TOLERANCE) * stamp);
-    const uint32_t look_periods = LODE_GUARD_PERIODS;
-    const float look_s = (float)look_periods * ts_s;
+    const uint32_t interval_periods = LODE_GUARD_PERIODS;
+    const float interval_s = (float)interval_periods * ts_s;
     *tuning = (lode_guard_tuning_t){
         .i_trip = config->i_trip_A,
         .v_bus_max = config->v_bus_max_V,
@@ -154,7 +154,7 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
         .omega_max = config->omega_max_rad_s,
         .bus_periods = (uint_least16_t)lode_clamp(
             config->bus_s / ts_s, 2.0f, COUNTER_MAX - (float)(int32_t)LODE_GUARD_DECAY_PERIODS),
-        .lock_looks = (uint_least16_t)periods_in(config->lock_s, look_s),
+        .lock_checks = (uint_least16_t)periods_in(config->lock_s, interval_s),
         .still_rounds = rounds_in(config->temperature_still_s, round_s),
         .bus_still_rounds = rounds_in(config->bus_still_s, round_s),
         .stamp_min = stamp_min,
@@ -262,9 +262,9 @@ LODE_NOINLINE void lode_guard_suspect(lode_guard_t *self, const lode_guard_tunin
 #endif
 
 // `wrong`: LODE_CHECK_NONE if all is well.
-static void count(lode_guard_t *self, uint_least16_t *counter, uint32_t looks, lode_check_t wrong,
+static void count(lode_guard_t *self, uint_least16_t *counter, uint32_t checks, lode_check_t wrong,
                   float measured, float limit) {
-    if (persists(self, counter, wrong != LODE_CHECK_NONE, looks)) {
+    if (persists(self, counter, wrong != LODE_CHECK_NONE, checks)) {
         lode_guard_trip(self, 0u, wrong, measured, limit);
     }
 }
@@ -273,17 +273,17 @@ static void count_power(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                         lode_condition_t condition) {
     const uint32_t least = 2u; // a single sample passes
     const uint32_t whole = tuning->bus_periods / LODE_GUARD_PERIODS;
-    const uint32_t looks = whole > least ? whole : least;
+    const uint32_t checks = whole > least ? whole : least;
     const float v = condition.v_bus_V;
     const float hot = condition.temperature_degC;
     const bool high = !(v <= tuning->v_bus_max);
     const lode_check_t low = v < tuning->v_bus_min ? LODE_CHECK_UNDER_VOLTAGE : LODE_CHECK_NONE;
-    count(self, &self->bus, looks, high ? LODE_CHECK_OVER_VOLTAGE : low, v,
+    count(self, &self->bus, checks, high ? LODE_CHECK_OVER_VOLTAGE : low, v,
           high ? tuning->v_bus_max : tuning->v_bus_min);
     const bool heat = !(hot <= tuning->temperature_max);
     const lode_check_t cold =
         hot < tuning->temperature_min ? LODE_CHECK_UNDER_TEMPERATURE : LODE_CHECK_NONE;
-    count(self, &self->temperature, looks, heat ? LODE_CHECK_OVER_TEMPERATURE : cold, hot,
+    count(self, &self->temperature, checks, heat ? LODE_CHECK_OVER_TEMPERATURE : cold, hot,
           heat ? tuning->temperature_max : tuning->temperature_min);
     if (!self->railed) {
         (void)persists(self, &self->rail, false, tuning->bus_periods);
@@ -294,13 +294,13 @@ static void count_power(lode_guard_t *self, const lode_guard_tuning_t *tuning,
 static void count_motion(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                          lode_condition_t condition) {
     const float omega = condition.omega_rad_s;
-    const uint32_t looks = tuning->lock_looks;
-    count(self, &self->lock, looks,
+    const uint32_t checks = tuning->lock_checks;
+    count(self, &self->lock, checks,
           condition.lock >= LODE_LOCK_LOST ? LODE_CHECK_NONE : LODE_CHECK_LOST_LOCK, condition.lock,
           LODE_LOCK_LOST);
     const bool fast = !(lode_abs(omega) <= tuning->omega_max);
     const lode_check_t back = omega < 0.0f ? LODE_CHECK_WRONG_WAY : LODE_CHECK_NONE;
-    count(self, &self->speed, looks, fast ? LODE_CHECK_OVER_SPEED : back, omega,
+    count(self, &self->speed, checks, fast ? LODE_CHECK_OVER_SPEED : back, omega,
           fast ? tuning->omega_max : 0.0f);
 }
 

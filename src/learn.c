@@ -16,13 +16,13 @@
 #define I_LEAST 0.15f // of i_max
 // Least weight of injection in the position (H11).
 #define SHARE_LEAST 0.5f
-// Time that observer and PLL need after a new tuning, or a change of speed or load; then the samples of a look.
+// Time that observer and PLL need after a new tuning, or a change of speed or load; then the samples of a measurement.
 #define SETTLE_s 0.05f
-#define LOOK_s 0.15f
-// Share of its error that a look corrects: a steady error falls to 1 % in four looks.
+#define MEASURE_s 0.15f
+// Share of its error that a measurement corrects: a steady error falls to 1 % in four measurements.
 #define GAIN 0.7f
 #define CONFIDENCE_GAIN 0.25f
-// Relative error of Lq from which a look adds no confidence.
+// Relative error of Lq from which a measurement adds no confidence.
 #define AGREE 0.1f
 // Relative change that is worth a new tuning.
 #define WORTH 0.003f
@@ -61,13 +61,13 @@ lode_status_t lode_learn_design(lode_learn_tuning_t *tuning, const lode_drive_co
     return LODE_OK;
 }
 
-static void look_again(lode_learn_t *self) {
+static void restart(lode_learn_t *self) {
     self->time_s = 0.0f;
     self->iq2_A2 = 0.0f;
     self->off_VsA = 0.0f;
     self->psi_Wb = 0.0f;
-    self->looks = 0.0f;
-    self->psi_looks = 0.0f;
+    self->samples = 0.0f;
+    self->psi_samples = 0.0f;
 }
 
 // True: a value that was stored, not the content of a memory that was never written.
@@ -91,10 +91,10 @@ void lode_learn_begin(lode_learn_t *self, const lode_learn_tuning_t *tuning,
         psi_Wb,
         lode_clamp(from->confidence, 0.0f, 1.0f),
     };
-    look_again(self);
+    restart(self);
 }
 
-static bool can_look(const lode_learn_tuning_t *tuning, const lode_telemetry_t *now) {
+static bool can_measure(const lode_learn_tuning_t *tuning, const lode_telemetry_t *now) {
     return now->mode == LODE_MODE_RUN && now->injected >= SHARE_LEAST &&
            now->lock >= LODE_LOCK_LOST && lode_abs(now->omega_rad_s) >= tuning->omega_least &&
            lode_abs(now->i_A.q) >= tuning->i_least_A;
@@ -108,11 +108,11 @@ static void sum_up(lode_learn_t *self, const lode_learn_tuning_t *tuning,
     const float error = now->emf_error_rad / now->injected;
     self->iq2_A2 += now->i_A.q * now->i_A.q;
     self->off_VsA += error * (self->now.psi_Wb + salient_Wb) * now->i_A.q;
-    self->looks += 1.0f;
+    self->samples += 1.0f;
     if (tuning->learns_psi && omega >= tuning->omega_psi) {
         const float taken = 1.0f + omega * omega * tuning->droop_s2;
         self->psi_Wb += lode_ab_length(now->e_V) * taken / omega - salient_Wb;
-        self->psi_looks += 1.0f;
+        self->psi_samples += 1.0f;
     }
 }
 
@@ -125,8 +125,8 @@ static void learn(lode_learn_t *self, const lode_learn_tuning_t *tuning) {
     const float agree = lode_max(1.0f - lode_abs(off_H) / (AGREE * self->now.Lq_H), 0.0f);
     self->now.Lq_H = lode_clamp(self->now.Lq_H + GAIN * off_H, tuning->Lq_H.min, tuning->Lq_H.max);
     self->now.confidence += CONFIDENCE_GAIN * (agree - self->now.confidence);
-    if (self->psi_looks >= self->looks) {
-        const float psi_Wb = self->psi_Wb / self->psi_looks;
+    if (self->psi_samples >= self->samples) {
+        const float psi_Wb = self->psi_Wb / self->psi_samples;
         self->now.psi_Wb = lode_clamp(self->now.psi_Wb + GAIN * (psi_Wb - self->now.psi_Wb),
                                       tuning->psi_Wb.min, tuning->psi_Wb.max);
     }
@@ -138,16 +138,16 @@ static bool is_worth(float now, float used) {
 
 bool lode_learn_step(lode_learn_t *self, const lode_learn_tuning_t *tuning,
                      const lode_telemetry_t *telemetry, float dt_s) {
-    if (!can_look(tuning, telemetry)) {
-        look_again(self);
+    if (!can_measure(tuning, telemetry)) {
+        restart(self);
     } else {
         self->time_s += dt_s;
         if (self->time_s >= SETTLE_s) {
             sum_up(self, tuning, telemetry);
         }
-        if (self->time_s >= SETTLE_s + LOOK_s) {
+        if (self->time_s >= SETTLE_s + MEASURE_s) {
             learn(self, tuning);
-            look_again(self);
+            restart(self);
         }
     }
     return is_worth(self->now.Lq_H, self->used.Lq_H) ||
@@ -166,6 +166,6 @@ lode_status_t lode_learn_tune(lode_learn_t *self, lode_drive_tuning_t *tuning,
     return lode_drive_tune(tuning, &next);
 }
 
-void lode_learn_tell(const lode_learn_t *self, lode_telemetry_t *telemetry) {
+void lode_learn_telemetry(const lode_learn_t *self, lode_telemetry_t *telemetry) {
     telemetry->motor.Lq_H = (lode_adapted_t){self->now.Lq_H, self->now.confidence};
 }

@@ -111,8 +111,8 @@ LODE_NOINLINE void lode_mode_distrust(lode_drive_t *self) {
 }
 
 LODE_NOINLINE void lode_mode_lose_rotor(lode_drive_t *self) {
-    const uint32_t looks = self->tuning->guard.lock_looks;
-    const uint32_t least = (LOST_SHARE * looks + LOST_PARTS - 1u) / LOST_PARTS;
+    const uint32_t checks = self->tuning->guard.lock_checks;
+    const uint32_t least = (LOST_SHARE * checks + LOST_PARTS - 1u) / LOST_PARTS;
     self->guard.lock = (uint_least16_t)(self->guard.lock < least ? least : self->guard.lock);
 }
 
@@ -144,7 +144,7 @@ void lode_mode_switch_on(lode_drive_t *self, lode_mode_t mode) {
     lode_mode_reset_guard(self);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_plausibility_reset(&self->plausibility);
-    self->frozen.looks = 0u;
+    self->frozen.checks = 0u;
     self->jump = (lode_jump_t){.stage = (uint_least8_t)LODE_JUMP_NONE};
 #endif
     lode_estimator_reset(&self->estimator, &tuning->estimator);

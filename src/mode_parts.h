@@ -30,7 +30,7 @@ static inline bool lode_mode_finds_at_rest(const lode_drive_t *self) {
 
 // RUN is about to trip for lost lock.
 static inline bool lode_mode_loses_lock(const lode_drive_t *self) {
-    const uint32_t least = LOST_SHARE * (uint32_t)self->tuning->guard.lock_looks;
+    const uint32_t least = LOST_SHARE * (uint32_t)self->tuning->guard.lock_checks;
     return LOST_PARTS * (uint32_t)self->guard.lock >= least;
 }
 

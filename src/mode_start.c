@@ -102,21 +102,21 @@ static LODE_NOINLINE void judge_drop(lode_drive_t *self, float change_V) {
 }
 
 // SLOT_DEAD_TIME, half a round before and after watch_drop().
-static void look_for_drop(lode_drive_t *self) {
-    lode_drop_look(&self->state.start.drop, measured_A2(self));
+static void note_drop(lode_drive_t *self) {
+    lode_drop_check(&self->state.start.drop, measured_A2(self));
 }
 
 // SLOT_REFERENCES. False: the drive is in FAULT.
 static bool watch_drop(lode_drive_t *self) {
     lode_start_t *start = &self->state.start;
-    const float asked_A2 = start->current_A * start->current_A;
+    const float ref_A2 = start->current_A * start->current_A;
     const float inv_b = self->tuning->estimator.emf.inv_b;
     const float noise_A2 = self->jump.noise_V2 / (inv_b * inv_b);
     const bool flows =
-        asked_A2 >= lode_max(self->tuning->plausibility.i_min_A2, NOISE_HELD2 * noise_A2);
+        ref_A2 >= lode_max(self->tuning->plausibility.i_min_A2, NOISE_HELD2 * noise_A2);
     const lode_dq_t e_V = lode_park(self->estimator.emf.observer.e_V, start->at);
     float change_V = 0.0f;
-    if (lode_drop_step(&start->drop, measured_A2(self), flows ? asked_A2 : 0.0f, e_V, &change_V)) {
+    if (lode_drop_step(&start->drop, measured_A2(self), flows ? ref_A2 : 0.0f, e_V, &change_V)) {
         judge_drop(self, change_V);
     }
     return self->gates;
@@ -281,7 +281,7 @@ void lode_mode_follow_start(lode_drive_t *self, lode_slot_t slot) {
         measure_start(self);
     } else if (slot == SLOT_DEAD_TIME) {
 #ifndef LODE_WITHOUT_PLAUSIBILITY
-        look_for_drop(self);
+        note_drop(self);
 #endif
         judge_start(self);
     } else if (slot == SLOT_SPEED) {

@@ -15,7 +15,7 @@ LODE_INLINE lode_modulator6_out_t lode_modulator6_step(const lode_inverter_tunin
     const lode_modulator_phases_t set_2 =
         lode_modulator_set(inverter, dead_time, lode_set2_clarke_inverse(v.set[1]),
                            lode_set2_clarke_inverse(i_A), free);
-    const lode_ab_t seen_2 = set_2.as_asked ? v.set[1] : lode_set2_clarke(set_2.seen);
+    const lode_ab_t seen_2 = set_2.as_commanded ? v.set[1] : lode_set2_clarke(set_2.seen);
     return (lode_modulator6_out_t){{{set_1.duty, set_2.duty}}, {{set_1.realised, seen_2}}};
 }
 

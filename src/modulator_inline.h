@@ -8,8 +8,8 @@
 // Result for the phases of one set.
 typedef struct {
     lode_abc_t duty;
-    lode_abc_t seen; // seen by the motor if not `as_asked`
-    bool as_asked;
+    lode_abc_t seen; // seen by the motor if not `as_commanded`
+    bool as_commanded;
 } lode_modulator_phases_t;
 
 // Input of one set. One struct for the same reason as lode_current_case_t.
@@ -58,9 +58,9 @@ LODE_INLINE lode_modulator_phases_t lode_modulator_set(const lode_inverter_tunin
         const lode_modulator_case_t edge = {v, i_A};
         return lode_modulator_limit(inverter, dead_time, &edge);
     }
-    const lode_abc_t asked = lode_modulator_duties(v);
+    const lode_abc_t ideal = lode_modulator_duties(v);
     const lode_abc_t error = lode_modulator_errors(dead_time, i_A); // 0 without correction
-    const lode_abc_t duty = {asked.a + error.a, asked.b + error.b, asked.c + error.c};
+    const lode_abc_t duty = {ideal.a + error.a, ideal.b + error.b, ideal.c + error.c};
     if (inverter->grid != 0u) {
         const lode_abc_t made = {lode_modulator_on_grid(inverter, duty.a),
                                  lode_modulator_on_grid(inverter, duty.b),
@@ -79,7 +79,7 @@ LODE_INLINE lode_modulator_out_t lode_modulator_step(const lode_inverter_tuning_
                                                      lode_ab_t i_A, bool free) {
     const lode_modulator_phases_t out = lode_modulator_set(
         inverter, dead_time, lode_clarke_inverse(v), lode_clarke_inverse(i_A), free);
-    return (lode_modulator_out_t){out.duty, out.as_asked ? v : lode_clarke(out.seen)};
+    return (lode_modulator_out_t){out.duty, out.as_commanded ? v : lode_clarke(out.seen)};
 }
 
 // Every duty is within [0, most]. Compared as unsigned integers, which order non-negative floats as they are; NaN, Inf and

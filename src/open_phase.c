@@ -11,7 +11,7 @@
 #define PER_rad 0.95492966f // 3/pi
 // ... and the time in which control of the xy plane brings i_max down to what (V10) detects at the least request.
 #define TIME_CONSTANTS 4.9f // ln(1/(0.25 0.03))
-#define LOOKS_MIN 3.0f
+#define CHECKS_MIN 3.0f
 // Three phases: a load that throws a light rotor makes current control lag for this long (K27).
 #define LACKING_s 2.0e-3f
 // Share of the current: if a phase carries more of it in the other direction, it is not dead, and current control lags by
@@ -21,21 +21,22 @@
 #define UNANSWERED 0.25f
 // Scales the difference of the other two phases to the component at right angles to a phase (K30).
 #define ACROSS (1.0f / LODE_SQRT3)
-// Turn per look above which the previous reference belongs to another half-wave: fewer than 3.5 looks in its 140 degrees.
+// Turn per check above which the previous reference belongs to another half-wave: fewer than 3.5 checks in its 140 degrees.
 #define OLD_rad 0.7f
-// Weight of a look at a half-wave that was missing once and has not flowed since (K27).
+// Weight of a check of a half-wave that was missing once and has not flowed since (K27).
 #define NOT_HAD (1.0f / 12.0f)
 #define WHOLE_SET 7
 
-lode_open_phase_tuning_t lode_open_phase_tune(float i_max_A, float xy_rad_s, float look_s) {
-    const float looks = lode_max(TIME_CONSTANTS / (xy_rad_s * look_s), LOOKS_MIN);
+lode_open_phase_tuning_t lode_open_phase_tune(float i_max_A, float xy_rad_s, float interval_s) {
+    const float checks = lode_max(TIME_CONSTANTS / (xy_rad_s * interval_s), CHECKS_MIN);
     return (lode_open_phase_tuning_t){
-        .least_A = LEAST_SHARE * i_max_A, .per_rad = PER_rad, .most = 1.0f / looks};
+        .least_A = LEAST_SHARE * i_max_A, .per_rad = PER_rad, .most = 1.0f / checks};
 }
 
-lode_open_phase_tuning_t lode_half_waves_tune(float i_max_A, float control_rad_s, float look_s) {
-    lode_open_phase_tuning_t tuning = lode_open_phase_tune(i_max_A, control_rad_s, look_s);
-    tuning.most = lode_min(tuning.most, look_s / LACKING_s);
+lode_open_phase_tuning_t lode_half_waves_tune(float i_max_A, float control_rad_s,
+                                              float interval_s) {
+    lode_open_phase_tuning_t tuning = lode_open_phase_tune(i_max_A, control_rad_s, interval_s);
+    tuning.most = lode_min(tuning.most, interval_s / LACKING_s);
     return tuning;
 }
 
@@ -48,12 +49,12 @@ static uint_least16_t more(uint_least16_t before, uint_least16_t step) {
 }
 
 // Counts one half-wave; requested and measured current are positive in its direction.
-static uint_least16_t lacking(uint_least16_t before, float asked_A, float has_A, float least_A,
+static uint_least16_t lacking(uint_least16_t before, float ref_A, float i_A, float least_A,
                               uint_least16_t step) {
-    if (has_A >= LODE_WAVE_HAS * lode_max(asked_A, least_A)) {
+    if (i_A >= LODE_WAVE_HAS * lode_max(ref_A, least_A)) {
         return 0u;
     }
-    return asked_A >= least_A && has_A <= LODE_WAVE_LACKS * asked_A ? more(before, step) : before;
+    return ref_A >= least_A && i_A <= LODE_WAVE_LACKS * ref_A ? more(before, step) : before;
 }
 
 static lode_abc_t phases_of(int32_t set, lode_ab_t i_A) {
@@ -61,16 +62,16 @@ static lode_abc_t phases_of(int32_t set, lode_ab_t i_A) {
 }
 
 // Counts the half-waves of a set; `length_A`: length of the requested current vector.
-static void note_half_waves(lode_half_waves_t *waves, lode_abc_t asked, lode_abc_t has,
-                            float length_A, float least_A, uint_least16_t step) {
-    const float asked_A[PHASES] = {asked.a, asked.b, asked.c};
-    const float has_A[PHASES] = {has.a, has.b, has.c};
+static void note_half_waves(lode_half_waves_t *waves, lode_abc_t ref, lode_abc_t i, float length_A,
+                            float least_A, uint_least16_t step) {
+    const float ref_A[PHASES] = {ref.a, ref.b, ref.c};
+    const float i_A[PHASES] = {i.a, i.b, i.c};
     for (int32_t n = 0; n < PHASES; n++) {
-        if (lode_abs(asked_A[n]) >= LODE_WAVE_ASKED * length_A) {
-            const bool up = asked_A[n] > 0.0f;
+        if (lode_abs(ref_A[n]) >= LODE_WAVE_REF * length_A) {
+            const bool up = ref_A[n] > 0.0f;
             const float sign = up ? 1.0f : -1.0f;
             uint_least16_t *lacks = &waves->lacks[up ? n : n + PHASES];
-            *lacks = lacking(*lacks, sign * asked_A[n], sign * has_A[n], least_A, step);
+            *lacks = lacking(*lacks, sign * ref_A[n], sign * i_A[n], least_A, step);
         }
     }
 }
@@ -93,7 +94,7 @@ static int32_t phase_of(const lode_half_waves_t *waves) {
     return phase;
 }
 
-// What one look counts, where ENOUGH is a fault.
+// What one check counts, where ENOUGH is a fault.
 static uint_least16_t step_of(const lode_open_phase_tuning_t *tuning, float turn_rad) {
     const float share = lode_clamp(lode_abs(turn_rad) * tuning->per_rad, 0.0f, tuning->most);
     return (uint_least16_t)((float)ENOUGH * share);
@@ -105,10 +106,10 @@ static bool is_idle(lode_half_waves_t *waves, bool little, uint_least16_t step) 
     return waves->idle >= ENOUGH;
 }
 
-LODE_NOINLINE lode_open_phase_t lode_open_phase_look(lode_open_phase_watch_t *self,
-                                                     const lode_open_phase_tuning_t *tuning,
-                                                     int32_t set, lode_ab_t i_set_A, lode_ab_t i_A,
-                                                     float turn_rad) {
+LODE_NOINLINE lode_open_phase_t lode_open_phase_check(lode_open_phase_watch_t *self,
+                                                      const lode_open_phase_tuning_t *tuning,
+                                                      int32_t set, lode_ab_t i_set_A, lode_ab_t i_A,
+                                                      float turn_rad) {
     const float i_A2 = i_A.alpha * i_A.alpha + i_A.beta * i_A.beta;
     const float length_A = lode_sqrt(i_A2);
     const uint_least16_t step = step_of(tuning, turn_rad);
@@ -129,36 +130,36 @@ LODE_NOINLINE lode_open_phase_t lode_open_phase_look(lode_open_phase_watch_t *se
     return (lode_open_phase_t)(phase > 0 ? number : 0);
 }
 
-// One look at three phases.
+// One check of three phases.
 typedef struct {
     float least_A;   // least request that tells anything
-    float asked_A;   // least request for a phase to be judged
+    float ref_A;     // least request for a phase to be judged
     float seen_A;    // least current of a half-wave that flows
     float against_A; // largest current the other way of a dead phase
     float kp_V_A;
     uint_least16_t step;
-    uint_least16_t not_had; // weight of a look without the half-wave
-} look_t;
+    uint_least16_t not_had; // weight of a check without the half-wave
+} limits_t;
 
 // One phase.
 typedef struct {
-    float asked_A;
+    float ref_A;
     float before_A;
-    float has_A;
+    float i_A;
     float beyond_V;
     float across_V; // the same at right angles to the phase's axis
 } phase_t;
 
 static phase_t turned_over(phase_t x) {
-    return (phase_t){-x.asked_A, -x.before_A, -x.has_A, -x.beyond_V, x.across_V};
+    return (phase_t){-x.ref_A, -x.before_A, -x.i_A, -x.beyond_V, x.across_V};
 }
 
 // (K24), (K28), (K30); all quantities are positive in the direction of the requested half-wave.
-static bool is_lacking(const look_t *look, phase_t x) {
-    const float asked_A = lode_min(x.asked_A, x.before_A);
-    return x.asked_A >= look->asked_A && asked_A >= look->least_A &&
-           x.has_A <= LODE_WAVE_LACKS * asked_A && x.has_A >= -look->against_A &&
-           x.beyond_V >= UNANSWERED * look->kp_V_A * (asked_A - x.has_A) &&
+static bool is_lacking(const limits_t *limits, phase_t x) {
+    const float ref_A = lode_min(x.ref_A, x.before_A);
+    return x.ref_A >= limits->ref_A && ref_A >= limits->least_A &&
+           x.i_A <= LODE_WAVE_LACKS * ref_A && x.i_A >= -limits->against_A &&
+           x.beyond_V >= UNANSWERED * limits->kp_V_A * (ref_A - x.i_A) &&
            x.beyond_V >= lode_abs(x.across_V);
 }
 
@@ -173,15 +174,15 @@ static uint_least16_t go_on(uint_least16_t before, uint_least16_t step) {
 
 // One phase: the requested half-wave may be missing. A half-wave that flows is not, requested or not: a dead switch lets none
 // through, whatever the reference does (K26).
-static void note_phase(lode_half_waves_t *waves, const look_t *look, int32_t phase, phase_t x) {
-    const bool up = x.asked_A > 0.0f;
-    uint_least16_t *asked = half_wave_of(waves, phase, up);
+static void note_phase(lode_half_waves_t *waves, const limits_t *limits, int32_t phase, phase_t x) {
+    const bool up = x.ref_A > 0.0f;
+    uint_least16_t *driven = half_wave_of(waves, phase, up);
     uint_least16_t *other = half_wave_of(waves, phase, !up);
-    const bool lacks = is_lacking(look, up ? x : turned_over(x));
-    *asked = lacks ? more(*asked, look->step) : go_on(*asked, look->not_had);
-    *other = go_on(*other, look->not_had);
-    if (lode_abs(x.has_A) >= look->seen_A) {
-        *half_wave_of(waves, phase, x.has_A > 0.0f) = 0u;
+    const bool lacks = is_lacking(limits, up ? x : turned_over(x));
+    *driven = lacks ? more(*driven, limits->step) : go_on(*driven, limits->not_had);
+    *other = go_on(*other, limits->not_had);
+    if (lode_abs(x.i_A) >= limits->seen_A) {
+        *half_wave_of(waves, phase, x.i_A > 0.0f) = 0u;
     }
 }
 
@@ -203,11 +204,11 @@ static float length_of(lode_ab_t x) {
     return lode_sqrt(x.alpha * x.alpha + x.beta * x.beta);
 }
 
-LODE_NOINLINE lode_open_phase_t lode_half_waves_look(lode_half_waves_t *self,
-                                                     const lode_open_phase_tuning_t *tuning,
-                                                     const lode_half_waves_seen_t *seen) {
+LODE_NOINLINE lode_open_phase_t lode_half_waves_check(lode_half_waves_t *self,
+                                                      const lode_open_phase_tuning_t *tuning,
+                                                      const lode_half_waves_seen_t *seen) {
     const float least_A = tuning->least_A;
-    const float length_A = length_of(seen->asked_A);
+    const float length_A = length_of(seen->ref_A);
     const float flows_A = length_of(seen->i_A);
     const uint_least16_t step = step_of(tuning, seen->turn_rad);
     if (is_idle(self, length_A < least_A, step)) {
@@ -216,25 +217,25 @@ LODE_NOINLINE lode_open_phase_t lode_half_waves_look(lode_half_waves_t *self,
     // If no current flows, control lags in all phases.
     const uint_least16_t counted = flows_A >= least_A ? step : (uint_least16_t)0u;
     const float not_had = NOT_HAD * (float)counted;
-    const look_t look = {.least_A = least_A,
-                         .asked_A = lode_max(LODE_WAVE_ASKED * length_A, least_A),
-                         .seen_A = lode_max(LODE_WAVE_HAS * least_A, LODE_WAVE_LACKS * flows_A),
-                         .against_A = lode_max(AGAINST * flows_A, least_A),
-                         .kp_V_A = seen->kp_V_A,
-                         .step = counted,
-                         .not_had = (uint_least16_t)not_had};
+    const limits_t limits = {.least_A = least_A,
+                             .ref_A = lode_max(LODE_WAVE_REF * length_A, least_A),
+                             .seen_A = lode_max(LODE_WAVE_HAS * least_A, LODE_WAVE_LACKS * flows_A),
+                             .against_A = lode_max(AGAINST * flows_A, least_A),
+                             .kp_V_A = seen->kp_V_A,
+                             .step = counted,
+                             .not_had = (uint_least16_t)not_had};
     const bool old = lode_abs(seen->turn_rad) > OLD_rad;
-    const lode_abc_t asked = lode_clarke_inverse(seen->asked_A);
-    const lode_abc_t before = lode_clarke_inverse(old ? seen->asked_A : seen->before_A);
-    const lode_abc_t has = lode_clarke_inverse(seen->i_A);
+    const lode_abc_t ref = lode_clarke_inverse(seen->ref_A);
+    const lode_abc_t before = lode_clarke_inverse(old ? seen->ref_A : seen->before_A);
+    const lode_abc_t i = lode_clarke_inverse(seen->i_A);
     const lode_abc_t beyond = lode_clarke_inverse(seen->beyond_V);
     const lode_abc_t across = {ACROSS * (beyond.b - beyond.c), ACROSS * (beyond.c - beyond.a),
                                ACROSS * (beyond.a - beyond.b)};
-    const phase_t of[PHASES] = {{asked.a, before.a, has.a, beyond.a, across.a},
-                                {asked.b, before.b, has.b, beyond.b, across.b},
-                                {asked.c, before.c, has.c, beyond.c, across.c}};
+    const phase_t of[PHASES] = {{ref.a, before.a, i.a, beyond.a, across.a},
+                                {ref.b, before.b, i.b, beyond.b, across.b},
+                                {ref.c, before.c, i.c, beyond.c, across.c}};
     for (int32_t n = 0; n < PHASES; n++) {
-        note_phase(self, &look, n, of[n]);
+        note_phase(self, &limits, n, of[n]);
     }
     self->doubts = is_any(self) ? 1u : 0u;
     return (lode_open_phase_t)alone_of(self);

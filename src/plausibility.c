@@ -26,7 +26,7 @@
 #define CLAMPED_SHARE 0.05f // of the current
 // Turn that one check adds at most while one or two phases stand still: at high speed the checks are far apart, and a current
 // with ripple may have the same count at three of them.
-#define LOOK_rad 0.2617994f
+#define COUNTED_MAX_rad 0.2617994f
 // Gain errors of 4 %, with the 1.7-fold current of a set with an open phase, make 0.07.
 #define OPEN_SHARE 0.2f // of the current
 // Largest offset error of a phase without current.
@@ -273,7 +273,7 @@ uint_least8_t lode_waves_step(lode_waves_t *self, const lode_plausibility_tuning
     return (uint_least8_t)(phases > 0u ? number_of(phases) : 0.0f);
 }
 
-void lode_drop_look(lode_drop_t *self, float i_A2) {
+void lode_drop_check(lode_drop_t *self, float i_A2) {
     if (self->rounds == 1u) {
         self->rounds = i_A2 < AWAY * self->i_A2 ? 2u : 0u;
     } else if (self->rounds == 0u && self->held >= HELD_ROUNDS && i_A2 < FALLEN * self->i_A2) {
@@ -283,14 +283,14 @@ void lode_drop_look(lode_drop_t *self, float i_A2) {
     }
 }
 
-bool lode_drop_step(lode_drop_t *self, float i_A2, float asked_A2, lode_dq_t e_V, float *change_V) {
-    lode_drop_look(self, i_A2);
+bool lode_drop_step(lode_drop_t *self, float i_A2, float ref_A2, lode_dq_t e_V, float *change_V) {
+    lode_drop_check(self, i_A2);
     const uint32_t since = self->rounds;
     if (since > 0u && since <= BACK_ROUNDS) {
         self->rounds = (uint_least8_t)(since > 1u ? since + 1u : since);
         return false;
     }
-    const bool held = lode_in_range(i_A2, LEAST_HELD * asked_A2, MOST_HELD * asked_A2);
+    const bool held = lode_in_range(i_A2, LEAST_HELD * ref_A2, MOST_HELD * ref_A2);
     const bool back = since > 0u && i_A2 > AWAY * self->i_A2;
     const uint32_t before = self->held;
     const uint32_t rounds = back || !held ? 0u : before + 1u;
@@ -305,15 +305,15 @@ bool lode_drop_step(lode_drop_t *self, float i_A2, float asked_A2, lode_dq_t e_V
     return back;
 }
 
-bool lode_frozen_look(lode_frozen_t *self, const lode_plausibility_tuning_t *tuning,
-                      lode_ab_t asked_A) {
-    const uint32_t before = self->looks;
+bool lode_frozen_check(lode_frozen_t *self, const lode_plausibility_tuning_t *tuning,
+                       lode_ab_t ref_A) {
+    const uint32_t before = self->checks;
     if (before == 0u) {
-        self->asked_A = asked_A;
+        self->ref_A = ref_A;
         self->way_A = (lode_ab_t){0.0f, 0.0f};
     }
-    self->looks = (uint_least16_t)(before < LODE_FROZEN_LOOKS ? before + 1u : before);
-    const lode_ab_t way_A = lode_ab_subtract(asked_A, self->asked_A);
+    self->checks = (uint_least16_t)(before < LODE_FROZEN_CHECKS ? before + 1u : before);
+    const lode_ab_t way_A = lode_ab_subtract(ref_A, self->ref_A);
     const bool moved = lode_ab_length2(way_A) >= tuning->moves_A2;
     // Control moves the current within one interval. A reference that goes the other way meanwhile may meet it on its way back.
     const bool same_way = way_A.alpha * self->way_A.alpha + way_A.beta * self->way_A.beta > 0.0f;
@@ -322,7 +322,7 @@ bool lode_frozen_look(lode_frozen_t *self, const lode_plausibility_tuning_t *tun
 }
 
 bool lode_frozen_turned(const lode_frozen_t *self, float turn_rad) {
-    return ((float)self->looks - 1.0f) * lode_abs(turn_rad) >= LODE_TWO_PI;
+    return ((float)self->checks - 1.0f) * lode_abs(turn_rad) >= LODE_TWO_PI;
 }
 
 // Gain: measured over expected current. Negative: close to 1, or the vector has turned.
@@ -344,8 +344,8 @@ static void enter_jump(lode_jump_t *self, lode_jump_stage_t stage) {
     self->periods = 0u;
 }
 
-bool lode_jump_look(lode_jump_t *self, lode_ab_t i_A, lode_ab_t expected_A, float size,
-                    bool starts) {
+bool lode_jump_check(lode_jump_t *self, lode_ab_t i_A, lode_ab_t expected_A, float size,
+                     bool starts) {
     if (self->stage == (uint_least8_t)LODE_JUMP_SECOND && size >= JUMP_BACK * (float)self->size) {
         enter_jump(self, LODE_JUMP_RESTS); // one bad sample, or an unmodelled voltage
         return true;
@@ -410,11 +410,11 @@ LODE_INLINE uint32_t judged_phases(const lode_plausibility_t *self,
     const int32_t *i = self->i;
     const bool may_be_open = tuning->i_still > 0 && is_open_balanced(i, i_A2, A_per_count);
     const int32_t least = may_be_open ? tuning->i_still : 0;
-    const bool asked = i_A2 > tuning->i_min_A2 && self->i_A2 > tuning->i_min_A2;
+    const bool enough = i_A2 > tuning->i_min_A2 && self->i_A2 > tuning->i_min_A2;
     const uint32_t flows =
         lode_plausibility_phases(i[0] >= least || i[0] <= -least, i[1] >= least || i[1] <= -least,
                                  i[2] >= least || i[2] <= -least);
-    return asked ? again & flows : 0u;
+    return enough ? again & flows : 0u;
 }
 
 // At least three checks, as two may lie on either side of a peak.
@@ -428,9 +428,10 @@ uint32_t lode_plausibility_doubt(lode_plausibility_t *self,
     const bool none_follows = all && self->moved_A2 > ALL_STUCK * tuning->i_min_A2;
     self->moved_A2 = all ? self->moved_A2 + change_A2 : 0.0f;
     self->i_A2 = i_A2;
-    const float look_rad =
-        still == LODE_ALL_PHASES ? turn_rad : lode_clamp(turn_rad, -LOOK_rad, LOOK_rad);
-    self->turn_rad = still > 0u ? self->turn_rad + look_rad : 0.0f;
+    const float counted_rad = still == LODE_ALL_PHASES
+                                  ? turn_rad
+                                  : lode_clamp(turn_rad, -COUNTED_MAX_rad, COUNTED_MAX_rad);
+    self->turn_rad = still > 0u ? self->turn_rad + counted_rad : 0.0f;
     self->still = (uint_least8_t)(still > 0u ? still + (changes ? CHANGING : 0u) : self->kept);
     const bool turned = still == LODE_ALL_PHASES ? all_turned(i_A2, self->turn_rad, A_per_count)
                                                  : shows_one(self, A_per_count);
@@ -452,7 +453,7 @@ bool lode_plausibility_is_open(const lode_plausibility_t *self, uint32_t phase, 
 
 lode_finding_t lode_plausibility_find(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning, uint32_t doubt,
-                                      uint32_t sum_looks, lode_hold_t hold, float A_per_count) {
+                                      uint32_t sum_checks, lode_hold_t hold, float A_per_count) {
     const uint32_t stuck = stuck_phases(self, tuning, doubt & LODE_ALL_PHASES, hold, A_per_count);
     const bool none_follows = (doubt & LODE_NONE_FOLLOWS) != 0u;
     if (none_follows || stuck > 0u) {
@@ -463,7 +464,7 @@ lode_finding_t lode_plausibility_find(lode_plausibility_t *self,
         self->sum = self->sum > 0u ? (uint_least16_t)(self->sum - 1u) : 0u;
     } else {
         self->sum = (uint_least16_t)(self->sum + 1u);
-        if (self->sum >= sum_looks) {
+        if (self->sum >= sum_checks) {
             const float sum = (float)sum_of(self->i);
             return (lode_finding_t){LODE_CHECK_CURRENT_SUM, sum * A_per_count,
                                     (float)tuning->i_sum * A_per_count};

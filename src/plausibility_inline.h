@@ -47,8 +47,8 @@ LODE_INLINE uint32_t lode_plausibility_phases(bool a, bool b, bool c) {
 
 // One check of the currents `i`, 1/256 count. Returns the phases that had the same count at the last check and at the one
 // before, one bit each.
-LODE_INLINE uint32_t lode_plausibility_look(lode_plausibility_t *self,
-                                            const int32_t i[LODE_PHASES]) {
+LODE_INLINE uint32_t lode_plausibility_check(lode_plausibility_t *self,
+                                             const int32_t i[LODE_PHASES]) {
     const uint32_t kept =
         lode_plausibility_phases(i[0] == self->i[0], i[1] == self->i[1], i[2] == self->i[2]);
     const uint32_t again = kept & self->kept;
@@ -72,7 +72,7 @@ LODE_INLINE bool lode_frozen_moves(lode_frozen_t *self, const lode_plausibility_
         return false;
     }
     self->i_A = i_A;
-    self->looks = 0u;
+    self->checks = 0u;
     return true;
 }
 

@@ -114,7 +114,7 @@ static float most_tau(const lode_references_tuning_t *tuning) {
     float id = 0.0f;
     float salient = lode_references_salient_H(tuning);
     for (int32_t i = 0;
-         lode_references_asks(tuning, LODE_REFERENCES_LEAST_CURRENT) && i < SATURATION_STEPS; i++) {
+         lode_references_has(tuning, LODE_REFERENCES_LEAST_CURRENT) && i < SATURATION_STEPS; i++) {
         salient = tuning->Ld_H - Lq_at(tuning, iq);
         const float arm = 2.0f * salient * i_max;
         id = arm * i_max /
@@ -149,7 +149,7 @@ static bool is_built_in(const lode_references_tuning_t *t) {
 #if defined(LODE_WITHOUT_OPTIMAL_REFERENCES)
     return t->options == 0u;
 #elif defined(LODE_WITHOUT_FIELD_WEAKENING)
-    return !lode_references_asks(t, LODE_REFERENCES_WEAKEN);
+    return !lode_references_has(t, LODE_REFERENCES_WEAKEN);
 #else
     (void)t;
     return true;
@@ -232,7 +232,7 @@ LODE_INLINE float free_id(const lode_references_tuning_t *tuning, float salient,
                           float omega_rad_s) {
     const float bias = -tuning->id_bias_A * lode_fade(&tuning->fade, lode_abs(omega_rad_s));
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
-    if (lode_references_asks(tuning, LODE_REFERENCES_LEAST_CURRENT)) {
+    if (lode_references_has(tuning, LODE_REFERENCES_LEAST_CURRENT)) {
         const float id = mtpa_id(tuning, salient, tau);
         return bias < 0.0f ? lode_min(id, bias) : id;
     }
@@ -312,7 +312,7 @@ LODE_INLINE lode_range_t bus_limits(const lode_references_tuning_t *tuning, floa
                                     float v_bus_V) {
     const float most = tuning->tau_max;
     // the hint saves 5 cycles of the worst-case call of board_mtpa
-    if (LODE_USUALLY(!lode_references_asks(tuning, LODE_REFERENCES_FADE))) {
+    if (LODE_USUALLY(!lode_references_has(tuning, LODE_REFERENCES_FADE))) {
         return (lode_range_t){-most, most};
     }
     const float motor = most * lode_fade(&tuning->motor, -v_bus_V);
@@ -341,7 +341,7 @@ static float present_Lq(const lode_references_t *self, const lode_references_tun
     (void)self;
     return tuning->Lq_H;
 #else
-    const bool falls = lode_references_asks(tuning, LODE_REFERENCES_SATURATE);
+    const bool falls = lode_references_has(tuning, LODE_REFERENCES_SATURATE);
     return falls ? Lq_at(tuning, self->iq_A) : tuning->Lq_H;
 #endif
 }
@@ -358,7 +358,7 @@ static float tau_by_flux(const lode_references_t *self, const lode_references_tu
 static float largest_tau(const lode_references_t *self, const lode_references_tuning_t *tuning,
                          float circle) {
     const bool opens =
-        lode_references_asks(tuning, LODE_REFERENCES_LEAST_CURRENT) && !is_weakening(self, tuning);
+        lode_references_has(tuning, LODE_REFERENCES_LEAST_CURRENT) && !is_weakening(self, tuning);
     return lode_min(opens ? lode_max(circle, tuning->tau_max) : circle, tau_by_flux(self, tuning));
 }
 
@@ -371,7 +371,7 @@ void lode_references_find_flux(lode_references_t *self, const lode_references_tu
     self->flux = flux_limit(self, tuning, omega_rad_s, voltage);
     self->tau_most = FLT_MAX;
     self->id_least_A = tuning->id_min_A;
-    if (lode_references_asks(tuning, LODE_REFERENCES_REACH_MTPV)) {
+    if (lode_references_has(tuning, LODE_REFERENCES_REACH_MTPV)) {
         const float Lq = present_Lq(self, tuning);
         const lode_dq_t point = mtpv(tuning, Lq, self->flux);
         self->tau_most = lode_references_active_flux(tuning, tuning->Ld_H - Lq, point.d) * point.q;

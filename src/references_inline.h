@@ -38,7 +38,7 @@ LODE_INLINE float lode_references_active_flux(const lode_references_tuning_t *tu
     return lode_max(tuning->psi_Wb + salient * id_A, ACTIVE_FLUX_MIN_SHARE * tuning->psi_Wb);
 }
 
-LODE_INLINE bool lode_references_asks(const lode_references_tuning_t *tuning, int option) {
+LODE_INLINE bool lode_references_has(const lode_references_tuning_t *tuning, int option) {
     return (tuning->options & (uint32_t)option) != 0u;
 }
 
@@ -47,7 +47,7 @@ LODE_INLINE bool lode_references_weakens(const lode_references_tuning_t *tuning)
     (void)tuning;
     return false;
 #else
-    return lode_references_asks(tuning, LODE_REFERENCES_WEAKEN);
+    return lode_references_has(tuning, LODE_REFERENCES_WEAKEN);
 #endif
 }
 

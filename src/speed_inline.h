@@ -53,15 +53,15 @@ LODE_INLINE float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t 
     const float ramp = push > 0.0f ? lode_clamp(push + against, 0.0f, push)
                                    : lode_clamp(push + against, push, 0.0f);
     const float ff = tuning->load_feed_forward * load_Nm + ramp;
-    const float asked = lode_pi_output(&self->pi, &tuning->pi, error, ff);
+    const float unlimited = lode_pi_output(&self->pi, &tuning->pi, error, ff);
     const lode_range_t limit = self->limit_Nm;
-    if (lode_in_range(asked, limit.min, limit.max)) {
+    if (lode_in_range(unlimited, limit.min, limit.max)) {
         lode_pi_integrate(&self->pi, &tuning->pi, error);
-        self->torque_Nm = asked;
-        return asked;
+        self->torque_Nm = unlimited;
+        return unlimited;
     }
-    const float torque = lode_clamp(asked, limit.min, limit.max);
-    lode_pi_settle(&self->pi, &tuning->pi, error, ff, asked, torque);
+    const float torque = lode_clamp(unlimited, limit.min, limit.max);
+    lode_pi_settle(&self->pi, &tuning->pi, error, ff, unlimited, torque);
     self->torque_Nm = torque;
     return torque;
 }

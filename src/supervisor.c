@@ -103,7 +103,7 @@ static bool generates(const lode_supervisor_t *self, const lode_telemetry_t *tel
 }
 
 // The guard has had the time to find a shorted switch.
-static bool has_looked(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
+static bool has_waited(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
     const uint32_t needed = (uint32_t)self->tuning->guard.bus_periods + LODE_GUARD_DECAY_PERIODS;
     return telemetry->steps - self->faulted_at > needed;
 }
@@ -115,7 +115,7 @@ static bool shorts_after(const lode_supervisor_t *self, const lode_telemetry_t *
     if (check == (uint32_t)LODE_CHECK_SWITCH_SHORTED) {
         return self->config->active_short == LODE_ON && telemetry->fault.measured < 0.0f;
     }
-    if (check == (uint32_t)LODE_CHECK_OVER_CURRENT && !has_looked(self, telemetry)) {
+    if (check == (uint32_t)LODE_CHECK_OVER_CURRENT && !has_waited(self, telemetry)) {
         return false;
     }
     return self->shorts && check != (uint32_t)LODE_CHECK_HARDWARE_TRIP;
@@ -143,7 +143,7 @@ static bool is_time(const lode_supervisor_t *self, const lode_telemetry_t *telem
 // OFF; it clears the fault when it is time for an attempt.
 static lode_command_t after_fault(lode_supervisor_t *self, const lode_telemetry_t *telemetry,
                                   float dt_s) {
-    if (self->asked && self->asked_at == telemetry->steps) { // a loop faster than the interrupt
+    if (self->posted && self->posted_at == telemetry->steps) { // a loop faster than the interrupt
         return (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true};
     }
     self->time_s = self->waits ? self->time_s + dt_s : 0.0f;
@@ -152,8 +152,8 @@ static lode_command_t after_fault(lode_supervisor_t *self, const lode_telemetry_
         count_one(self->attempts);
     }
     self->waits = !now;
-    self->asked = now;
-    self->asked_at = telemetry->steps;
+    self->posted = now;
+    self->posted_at = telemetry->steps;
     const lode_command_t command = {.mode = LODE_MODE_OFF, .clear_fault = now};
     return with_short(command, !now && shorts_after(self, telemetry));
 }

@@ -17,11 +17,11 @@ LODE_INLINE lode_ab_t lode_xy_step(lode_xy_t *self, const lode_xy_tuning_t *tuni
     const lode_sincos_t lead = self->aim.lead;
     const lode_ab_t rx = self->resonance_x;
     const lode_ab_t ry = self->resonance_y;
-    const lode_ab_t asked = {
+    const lode_ab_t unlimited = {
         lode_pi_output(&self->x, &tuning->pi, -i_A.alpha, rx.alpha * lead.cos - rx.beta * lead.sin),
         lode_pi_output(&self->y, &tuning->pi, -i_A.beta, ry.alpha * lead.cos - ry.beta * lead.sin)};
     const float radius = tuning->circle * v_bus_V;
-    const float length2 = asked.alpha * asked.alpha + asked.beta * asked.beta;
+    const float length2 = unlimited.alpha * unlimited.alpha + unlimited.beta * unlimited.beta;
     float gain = self->aim.gain_Ohm;
     float scale = 1.0f;
     if (length2 <= radius * radius) {
@@ -33,7 +33,7 @@ LODE_INLINE lode_ab_t lode_xy_step(lode_xy_t *self, const lode_xy_tuning_t *tuni
     }
     self->resonance_x = lode_xy_resonate(rx, step, -gain * i_A.alpha);
     self->resonance_y = lode_xy_resonate(ry, step, -gain * i_A.beta);
-    return lode_ab_scale(scale, asked);
+    return lode_ab_scale(scale, unlimited);
 }
 
 #endif

@@ -551,7 +551,7 @@ static void test_confidence_grows_by_time_and_not_by_calls(void) {
 }
 
 // d and q current together turn what an error of the inductances makes further than either alone.
-static void test_flux_is_told_worse_with_current_in_both_axes(void) {
+static void test_flux_is_reported_worse_with_current_in_both_axes(void) {
     static const double id_A[] = {0.0, -1.5};
     float confidence[2];
     for (int n = 0; n < 2; n++) {
@@ -984,7 +984,7 @@ static void test_a_running_drive_finds_its_motor(void) {
 }
 
 /// Value and confidence of each; the drive's own telemetry has none.
-static void test_what_was_found_is_told(void) {
+static void test_what_was_found_is_reported(void) {
     static bench_t bench;
     bench_init(&bench, &all, NULL);
     bench.J = 2.0;
@@ -1002,7 +1002,7 @@ static void test_what_was_found_is_told(void) {
     wanted.motor.J_kgm2 = found.J_kgm2;
     wanted.motor.psi_Wb = found.psi_Wb;
     wanted.motor.Rs_Ohm = found.Rs_Ohm;
-    lode_adaptation_tell(&bench.adaptation, &now);
+    lode_adaptation_telemetry(&bench.adaptation, &now);
     TEST_ASSERT_EQUAL_MEMORY(&wanted, &now, sizeof now);
     CHECK_CLOSE(0.1, 2.0 * (double)bench.config.motor.J_kgm2, now.motor.J_kgm2.value);
     CHECK_CLOSE(0.03, 0.9 * (double)bench.config.motor.psi_Wb, now.motor.psi_Wb.value);
@@ -1035,7 +1035,7 @@ int main(void) {
     RUN_TEST(test_flux_is_found_under_load);
     RUN_TEST(test_references_are_those_of_the_flux_found);
     RUN_TEST(test_confidence_grows_by_time_and_not_by_calls);
-    RUN_TEST(test_flux_is_told_worse_with_current_in_both_axes);
+    RUN_TEST(test_flux_is_reported_worse_with_current_in_both_axes);
     RUN_TEST(test_doubt_of_the_dead_time);
     RUN_TEST(test_what_was_sure_is_left_again);
     RUN_TEST(test_flux_is_not_learned_at_low_speed);
@@ -1059,6 +1059,6 @@ int main(void) {
     RUN_TEST(test_an_inertia_below_nothing_is_not_believed);
     RUN_TEST(test_adaptation_does_not_hide_demagnetisation);
     RUN_TEST(test_a_running_drive_finds_its_motor);
-    RUN_TEST(test_what_was_found_is_told);
+    RUN_TEST(test_what_was_found_is_reported);
     return UNITY_END();
 }

@@ -32,7 +32,7 @@ typedef struct {
 static const shares_t as_configured = {1.0, 1.0, 1.0};
 
 /// What the drive is told of the rig's machine.
-static lode_drive6_config_t told(shares_t truth) {
+static lode_drive6_config_t config_of(shares_t truth) {
     lode_drive6_config_t c = rig6_config();
     c.drive.motor.J_kgm2 = (float)(RIG6_J / truth.J);
     c.drive.motor.psi_Wb = (float)(RIG6_PSI / truth.psi);
@@ -57,7 +57,7 @@ static void begin_with(const lode_drive6_config_t *given, const lode_adaptation_
 
 static void begin(shares_t truth, const lode_adaptation_config_t *choices,
                   const lode_adaptation_found_t *stored) {
-    const lode_drive6_config_t given = told(truth);
+    const lode_drive6_config_t given = config_of(truth);
     begin_with(&given, choices, stored);
 }
 
@@ -135,7 +135,7 @@ static void test_inertia_and_flux_are_found(void) {
 static void test_resistance_is_found(void) {
     static const double shares[] = {0.7, 1.3};
     for (int n = 0; n < COUNT_OF(shares); n++) {
-        lode_drive6_config_t given = told((shares_t){1.0, 1.0, shares[n]});
+        lode_drive6_config_t given = config_of((shares_t){1.0, 1.0, shares[n]});
         given.drive.hfi = (lode_hfi_config_t){.mode = LODE_HFI_ON, .V_h_V = 70.0f};
         begin_with(&given, &all, NULL);
         run(LOW_rpm, 0.0, 2.0); // this iron tells no polarity: a turning vector starts it
@@ -174,7 +174,7 @@ static const lode_adaptation_found_t kept = {
 
 /// Both sets' tuning and that of one set alone, each from its own base; the xy plane stays as it was designed.
 static void test_both_tunings_have_what_is_in_use(void) {
-    lode_drive6_config_t given = told(as_configured);
+    lode_drive6_config_t given = config_of(as_configured);
     given.drive.start.measure = LODE_OFF; // which would take its place
     begin_with(&given, &all, &kept);
     CHECK_CLOSE(1.0e-5, (double)kept.J_kgm2.value, found().J_kgm2.value);
@@ -258,7 +258,7 @@ static void test_each_can_be_off(void) {
 /// Another tuning of the same motor, with what was found; and none of somebody else's is looked at.
 static void test_another_base_keeps_what_was_found(void) {
     static lode_drive6_tuning_t other;
-    lode_drive6_config_t changed = told((shares_t){2.0, 0.95, 1.0});
+    lode_drive6_config_t changed = config_of((shares_t){2.0, 0.95, 1.0});
     begin_with(&changed, &all, NULL);
     run(LOW_rpm, 0.0, 2.0);
     ramps(2);
@@ -298,14 +298,14 @@ static void test_calls_may_come_as_they_like(void) {
 }
 
 /// Value and confidence of each, into the telemetry as a log takes it.
-static void test_what_was_found_is_told(void) {
+static void test_what_was_found_is_reported(void) {
     begin(as_configured, &all, &kept);
     lode_telemetry6_t now = rig6_telemetry(&rig);
     lode_telemetry6_t wanted = now;
     wanted.drive.motor.J_kgm2 = found().J_kgm2;
     wanted.drive.motor.psi_Wb = found().psi_Wb;
     wanted.drive.motor.Rs_Ohm = found().Rs_Ohm;
-    lode_adaptation6_tell(&adaptation, &now.drive);
+    lode_adaptation6_telemetry(&adaptation, &now.drive);
     TEST_ASSERT_EQUAL_MEMORY(&wanted, &now, sizeof now);
     CHECK_CLOSE(1.0e-5, (double)kept.Rs_Ohm.value, now.drive.motor.Rs_Ohm.value);
     CHECK_AT_LEAST(0.8, now.drive.motor.Rs_Ohm.confidence);
@@ -321,6 +321,6 @@ int main(void) {
     RUN_TEST(test_each_can_be_off);
     RUN_TEST(test_another_base_keeps_what_was_found);
     RUN_TEST(test_calls_may_come_as_they_like);
-    RUN_TEST(test_what_was_found_is_told);
+    RUN_TEST(test_what_was_found_is_reported);
     return UNITY_END();
 }

@@ -255,7 +255,7 @@ static void begin_trace(int stage, const plant_config_t *plant, const lode_drive
     expect(LODE_COMMISSION_DONE);
 }
 
-static double asked_V(int n) {
+static double unlimited_V(int n) {
     return hypot((double)trace.asked[n].d, (double)trace.asked[n].q);
 }
 static double direction_deg(int n) {
@@ -268,7 +268,7 @@ static double direction_deg(int n) {
 static void check_pulse(int first, double deg, double u_V) {
     for (int n = 0; n < 61; n++) {
         const double wanted_V = n < 10 ? u_V : 0.0;
-        CHECK_NEAR(1.0e-4 * u_V, wanted_V, asked_V(first + n));
+        CHECK_NEAR(1.0e-4 * u_V, wanted_V, unlimited_V(first + n));
         if (n < 10) {
             const double turned = direction_deg(first + n) - deg - (n < 5 ? 0.0 : 180.0);
             CHECK_NEAR(0.01, 0.0, remainder(turned, 360.0));
@@ -318,7 +318,7 @@ static void test_the_rotor_is_brought_along(void) {
     int turns = -1;
     for (int n = 1; n < trace.count && turns < 0; n++) {
         CHECK_NEAR(0.01, 90.0, direction_deg(n));
-        const double rise_V = asked_V(n) - asked_V(n - 1);
+        const double rise_V = unlimited_V(n) - unlimited_V(n - 1);
         const bool quick = some < 0 && trace.i_A[n] < 0.02 * current_A;
         CHECK_CLOSE(0.01,
                     quick ? (double)rig.commission.vector.quick_V
@@ -330,7 +330,7 @@ static void test_the_rotor_is_brought_along(void) {
     TEST_ASSERT_TRUE(some > 10 && turns > some + 100);
     TEST_ASSERT_EQUAL(4001, trace.count - 1 - turns); // 0 .. 0.8 s
     for (int n = turns + 1; n < trace.count; n++) {
-        const double lower_V = asked_V(n - 1) - asked_V(n);
+        const double lower_V = unlimited_V(n - 1) - unlimited_V(n);
         CHECK_NEAR(0.02, 90.0 * (1.0 - (n - turns - 1) / 4000.0), direction_deg(n));
         if (trace.i_A[n] > 0.401 * current_A) {
             CHECK_CLOSE(0.02, 4.0 * (double)rig.commission.vector.slow_V, lower_V);

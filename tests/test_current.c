@@ -123,8 +123,8 @@ static void test_q_keeps_the_emf_where_the_motor_brakes(void) {
                                   .q = {random_float(&random, -200.0, 200.0)}};
         const double iq = random_between(&random, -5.0, 5.0);
         const lode_dq_t i = {0.0f, (float)iq};
-        const double asked_d = (double)current.d.integral - (double)omega * 9.8e-3 * iq;
-        const double asked_q = (double)current.q.integral + emf;
+        const double unlimited_d = (double)current.d.integral - (double)omega * 9.8e-3 * iq;
+        const double unlimited_q = (double)current.q.integral + emf;
         tuning.weakens = n % 3 == 0 ? 1u : 0u;
         const lode_dq_t u = control(&current, &tuning, i, i, omega, 200.0f);
         const double d_share = (tuning.weakens != 0u ? 0.97 : 0.9) * RADIUS;
@@ -133,11 +133,12 @@ static void test_q_keeps_the_emf_where_the_motor_brakes(void) {
             const double q = fmin(fabs(emf) + 0.1 * RADIUS, 0.9 * RADIUS);
             d_max = fmin(d_max, sqrt(RADIUS * RADIUS - q * q));
         }
-        const bool free = hypot(asked_d, asked_q) <= (double)tuning.free * 200.0; // nothing limits
-        const double d = free ? asked_d : fmax(-d_share, fmin(d_max, asked_d));
+        const bool free =
+            hypot(unlimited_d, unlimited_q) <= (double)tuning.free * 200.0; // nothing limits
+        const double d = free ? unlimited_d : fmax(-d_share, fmin(d_max, unlimited_d));
         const double q_max = sqrt(RADIUS * RADIUS - d * d);
         CHECK_NEAR(2.0e-3, d, u.d); // roots of small differences
-        CHECK_NEAR(2.0e-3, fmax(-q_max, fmin(q_max, asked_q)), u.q);
+        CHECK_NEAR(2.0e-3, fmax(-q_max, fmin(q_max, unlimited_q)), u.q);
     }
 }
 
@@ -306,10 +307,10 @@ static double left_after(double R, double L, double kp, double ki) {
     double u = 0.0;
     double integral = 0.0;
     for (int n = 0; n < 2500 && fabs(i) < 1.0e6; n++) {
-        const double asked = -kp * i + integral;
+        const double unlimited = -kp * i + integral;
         integral -= ki * 2.0e-4 * i;
         i = a * i + b * u;
-        u = asked;
+        u = unlimited;
     }
     return fabs(i) + 1.0e-3 * fabs(u);
 }

@@ -10,7 +10,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-// --- The looks ------------------------------------------------------------------------------------
+// --- The checks ------------------------------------------------------------------------------------
 
 static lode_ab_t vector(double length, double angle) {
     return (lode_ab_t){(float)(length * cos(angle)), (float)(length * sin(angle))};
@@ -24,13 +24,13 @@ static double waited(lode_jump_t *jump) {
 /// The factor that stays; below 0: none does. `size`: of the next sample, squared; 0: it is not looked at.
 static double factor_of(lode_ab_t i_A, lode_ab_t expected_A, double size, bool starts) {
     lode_jump_t jump = {.stage = (uint_least8_t)LODE_JUMP_NONE};
-    if (!lode_jump_look(&jump, i_A, expected_A, 9.0f, starts)) {
+    if (!lode_jump_check(&jump, i_A, expected_A, 9.0f, starts)) {
         TEST_ASSERT_EQUAL_UINT(LODE_JUMP_NONE, jump.stage);
         return -1.0;
     }
     TEST_ASSERT_TRUE(waited(&jump) < 0.0); // the same period
     if (size >= 1.0) {
-        (void)lode_jump_look(&jump, expected_A, i_A, (float)size, starts);
+        (void)lode_jump_check(&jump, expected_A, i_A, (float)size, starts);
     }
     return waited(&jump);
 }
@@ -88,26 +88,26 @@ static void test_one_sample_is_no_factor(void) {
     CHECK_NEAR(0.02, 0.4, factor_of(i_A, expected_A, 2.2, false)); // a quarter of 9 is 2.25
     TEST_ASSERT_TRUE(factor_of(i_A, expected_A, 2.25, false) < 0.0);
     lode_jump_t jump = {.stage = (uint_least8_t)LODE_JUMP_NONE};
-    TEST_ASSERT_TRUE(lode_jump_look(&jump, i_A, expected_A, 9.0f, false));
-    TEST_ASSERT_FALSE(lode_jump_look(&jump, i_A, expected_A, 9.0f, false)); // in the same period
+    TEST_ASSERT_TRUE(lode_jump_check(&jump, i_A, expected_A, 9.0f, false));
+    TEST_ASSERT_FALSE(lode_jump_check(&jump, i_A, expected_A, 9.0f, false)); // in the same period
     (void)waited(&jump);
-    TEST_ASSERT_TRUE(lode_jump_look(&jump, expected_A, i_A, 9.0f, false)); // tells nothing either
+    TEST_ASSERT_TRUE(lode_jump_check(&jump, expected_A, i_A, 9.0f, false)); // tells nothing either
     int rests = 0;
     while (jump.stage != (uint_least8_t)LODE_JUMP_NONE && rests < 1000) {
         TEST_ASSERT_TRUE(waited(&jump) < 0.0);
         rests++;
         TEST_ASSERT_TRUE(jump.stage == (uint_least8_t)LODE_JUMP_NONE ||
-                         !lode_jump_look(&jump, i_A, expected_A, 9.0f, false));
+                         !lode_jump_check(&jump, i_A, expected_A, 9.0f, false));
     }
     TEST_ASSERT_EQUAL_INT(62, rests);
-    TEST_ASSERT_TRUE(lode_jump_look(&jump, i_A, expected_A, 9.0f, false));
+    TEST_ASSERT_TRUE(lode_jump_check(&jump, i_A, expected_A, 9.0f, false));
 }
 
 /// Periods until a current that is gone counts as one, at `turn_rad` in each, or comes back with `back` of them; 0: it does not
 /// count.
 static int periods_until_gone(double turn_rad, int back) {
     lode_jump_t jump = {.stage = (uint_least8_t)LODE_JUMP_NONE};
-    TEST_ASSERT_TRUE(lode_jump_look(&jump, vector(0.1, 2.0), vector(5.0, -1.0), 9.0f, false));
+    TEST_ASSERT_TRUE(lode_jump_check(&jump, vector(0.1, 2.0), vector(5.0, -1.0), 9.0f, false));
     int periods = 0;
     (void)lode_jump_wait(&jump, (float)turn_rad, true); // its own
     while (jump.stage != (uint_least8_t)LODE_JUMP_NONE && periods < 1000) {
@@ -116,7 +116,7 @@ static int periods_until_gone(double turn_rad, int back) {
             return periods;
         }
     }
-    TEST_ASSERT_EQUAL_UINT(LODE_JUMP_NONE, jump.stage); // and looks again
+    TEST_ASSERT_EQUAL_UINT(LODE_JUMP_NONE, jump.stage); // and checks again
     return 0;
 }
 

@@ -18,13 +18,13 @@ static void test_dead_time_goes_by_a_current_on_its_way(void) {
         rig.drive.u_V = (lode_dq_t){5.0f, -7.0f};
         rig.drive.ref_A = (lode_dq_t){3.0f, -4.0f};
         const lode_frame_t frame = {.i_A = {1.0f, 2.0f}};
-        const lode_asked_t asked = lode_drive_ask(&rig.drive, &tuning, &frame);
+        const lode_demand_t demand = lode_drive_demand(&rig.drive, &tuning, &frame);
         const double share = injects != 0 ? 1.0 : 1.0 - exp(-0.3);
-        CHECK_NEAR(0.01, 1.0 + share * 2.0, asked.i_A.d);
-        CHECK_NEAR(0.01, 2.0 - share * 6.0, asked.i_A.q);
+        CHECK_NEAR(0.01, 1.0 + share * 2.0, demand.i_A.d);
+        CHECK_NEAR(0.01, 2.0 - share * 6.0, demand.i_A.q);
         if (injects == 0) {
-            TEST_ASSERT_EQUAL_FLOAT(5.0f, asked.u_V.d);
-            TEST_ASSERT_EQUAL_FLOAT(-7.0f, asked.u_V.q);
+            TEST_ASSERT_EQUAL_FLOAT(5.0f, demand.u_V.d);
+            TEST_ASSERT_EQUAL_FLOAT(-7.0f, demand.u_V.q);
         }
     }
 }

@@ -717,23 +717,23 @@ static void test_an_estimate_that_is_taken_over_is_the_own_one(void) {
     for (int n = 0; n < COUNT_OF(locks); n++) {
         drive->estimator.found = 0u;
         drive->estimator.aligned = n == 0;
-        const lode_estimate_t told = {.source = LODE_ESTIMATE_EXTERNAL,
-                                      .omega_rad_s = 500.0f,
-                                      .rotor = lode_sincos(2.0f),
-                                      .i_A = {-1.5f, 2.5f},
-                                      .e_V = {-60.0f, 35.0f},
-                                      .load_torque_Nm = 1.25f,
-                                      .lock = locks[n]};
-        lode_mode_adopt(drive, &told);
+        const lode_estimate_t external = {.source = LODE_ESTIMATE_EXTERNAL,
+                                          .omega_rad_s = 500.0f,
+                                          .rotor = lode_sincos(2.0f),
+                                          .i_A = {-1.5f, 2.5f},
+                                          .e_V = {-60.0f, 35.0f},
+                                          .load_torque_Nm = 1.25f,
+                                          .lock = locks[n]};
+        lode_mode_adopt(drive, &external);
         const lode_estimate_t own = lode_mode_estimate(drive);
-        CHECK_NEAR(1.0e-6, told.rotor.sin, own.rotor.sin);
-        CHECK_NEAR(1.0e-6, told.rotor.cos, own.rotor.cos);
-        CHECK_NEAR(0.0, told.omega_rad_s, own.omega_rad_s);
-        CHECK_NEAR(0.0, told.e_V.alpha, own.e_V.alpha);
-        CHECK_NEAR(0.0, told.e_V.beta, own.e_V.beta);
-        CHECK_NEAR(1.0e-6, told.load_torque_Nm, own.load_torque_Nm);
-        CHECK_NEAR(0.0, told.lock, own.lock);
-        CHECK_NEAR(0.0, told.i_A.d, drive->estimator.id_A);
+        CHECK_NEAR(1.0e-6, external.rotor.sin, own.rotor.sin);
+        CHECK_NEAR(1.0e-6, external.rotor.cos, own.rotor.cos);
+        CHECK_NEAR(0.0, external.omega_rad_s, own.omega_rad_s);
+        CHECK_NEAR(0.0, external.e_V.alpha, own.e_V.alpha);
+        CHECK_NEAR(0.0, external.e_V.beta, own.e_V.beta);
+        CHECK_NEAR(1.0e-6, external.load_torque_Nm, own.load_torque_Nm);
+        CHECK_NEAR(0.0, external.lock, own.lock);
+        CHECK_NEAR(0.0, external.i_A.d, drive->estimator.id_A);
         CHECK_CLOSE(1.0e-6, (double)(ts_s * drive->estimator.pll.f_rad_s2),
                     drive->estimator.pll.rise_rad_s);
         TEST_ASSERT_EQUAL_INT(n > 0, drive->estimator.locked);
@@ -985,7 +985,7 @@ static void test_telemetry_is_what_was_put_out(void) {
     }
 }
 
-static void test_the_temperature_is_told_in_every_mode(void) {
+static void test_the_temperature_is_reported_in_every_mode(void) {
     lode_drive_config_t config = rig_config();
     config.sense.temperature_gain_degC_count = 0.1f;
     rig_t rig;
@@ -1101,7 +1101,7 @@ int main(void) {
     RUN_TEST(test_two_drives_share_nothing);
     RUN_TEST(test_any_counts_give_duties_on_the_grid);
     RUN_TEST(test_telemetry_is_what_was_put_out);
-    RUN_TEST(test_the_temperature_is_told_in_every_mode);
+    RUN_TEST(test_the_temperature_is_reported_in_every_mode);
     RUN_TEST(test_telemetry_of_speed_control_is_nothing_without_it);
     RUN_TEST(test_telemetry_tells_the_position_error_by_the_emf);
     RUN_TEST(test_telemetry_tells_the_position_error_by_injection);

@@ -352,7 +352,7 @@ static void test_an_implausible_offset_of_either_set_is_a_fault(void) {
 }
 
 /// Of two sets with implausible offsets the worse one is told.
-static void test_the_worse_offset_of_both_sets_is_told(void) {
+static void test_the_worse_offset_of_both_sets_is_reported(void) {
     for (int worse = 0; worse < 2; worse++) {
         rig6_t rig = fresh();
         rig.offset[1] = worse == 0 ? 400.0 : 300.0;
@@ -366,7 +366,7 @@ static void test_the_worse_offset_of_both_sets_is_told(void) {
 
 /// A calibration with an ADC channel that keeps its count from the beginning, and one (-1: none) that is `astray` by 300
 /// counts; all others have noise.
-static lode_fault_t with_a_converter_stuck(lode_command_t command, int stuck, int astray) {
+static lode_fault_t with_an_adc_channel_stuck(lode_command_t command, int stuck, int astray) {
     lode_drive6_config_t config = rig6_config();
     config.drive.sense.i_noise_count = 0.5f;
     rig6_t rig = rig_with(&config);
@@ -386,14 +386,14 @@ static lode_fault_t with_a_converter_stuck(lode_command_t command, int stuck, in
     return rig6_telemetry(&rig).drive.fault;
 }
 
-static void test_a_converter_of_either_set_without_noise_is_refused(void) {
+static void test_an_adc_channel_of_either_set_without_noise_is_refused(void) {
     const lode_command_t calibrate_only = {.mode = LODE_MODE_CALIBRATE};
     for (int stuck = 0; stuck < 6; stuck++) {
-        const lode_fault_t still = with_a_converter_stuck(calibrate_only, stuck, -1);
+        const lode_fault_t still = with_an_adc_channel_stuck(calibrate_only, stuck, -1);
         TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_STUCK", lode_check_name(still.check));
         TEST_ASSERT_TRUE(still.measured == (float)(stuck + 1));
     }
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_a_converter_stuck(calibrate_only, -1, -1).check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_an_adc_channel_stuck(calibrate_only, -1, -1).check);
     lode_drive6_config_t config = rig6_config(); // without any noise
     config.drive.sense.i_noise_count = 0.5f;
     rig6_t rig = rig_with(&config);
@@ -404,10 +404,10 @@ static void test_a_converter_of_either_set_without_noise_is_refused(void) {
 }
 
 /// Of both kinds at once the one with which no offset can be told comes first.
-static void test_a_stuck_converter_is_told_before_an_offset_of_the_other_set(void) {
+static void test_a_stuck_adc_channel_is_reported_before_an_offset_of_the_other_set(void) {
     const lode_command_t calibrate_only = {.mode = LODE_MODE_CALIBRATE};
     for (int stuck = 1; stuck < 6; stuck += 3) {
-        const lode_fault_t fault = with_a_converter_stuck(calibrate_only, stuck, 5 - stuck);
+        const lode_fault_t fault = with_an_adc_channel_stuck(calibrate_only, stuck, 5 - stuck);
         TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_STUCK", lode_check_name(fault.check));
         TEST_ASSERT_TRUE(fault.measured == (float)(stuck + 1));
     }
@@ -473,7 +473,7 @@ static void test_over_current_in_set_2_is_seen(void) {
 }
 
 /// The current that trips is the one that telemetry tells; one sample that is in doubt changes nothing of the estimate.
-static void test_the_current_of_a_trip_is_told(void) {
+static void test_the_current_of_a_trip_is_reported(void) {
     const lode_drive6_config_t config = rig6_config();
     rig6_t rig = turning(&config, 300.0, 0.0);
     lode_counts6_t counts = rig6_counts(&rig);
@@ -863,7 +863,7 @@ static int until_all_stuck(rig6_t *rig, uint32_t noise, bool slowly, double *mos
 }
 
 /// One phase without current, or one set, may be open, two sets not.
-static void test_converters_that_all_read_the_middle_are_stuck(void) {
+static void test_adc_channels_that_all_read_the_middle_are_stuck(void) {
     const lode_drive6_config_t config = rig6_config();
     for (double rpm = 300.0; rpm < 1600.0; rpm += 300.0) {
         rig6_t sound = turning(&config, rpm, LOAD_Nm);
@@ -1475,14 +1475,14 @@ int main(void) {
     RUN_TEST(test_field_weakening_keeps_the_angle);
     RUN_TEST(test_calibration_takes_all_six_offsets);
     RUN_TEST(test_an_implausible_offset_of_either_set_is_a_fault);
-    RUN_TEST(test_the_worse_offset_of_both_sets_is_told);
-    RUN_TEST(test_a_converter_of_either_set_without_noise_is_refused);
-    RUN_TEST(test_a_stuck_converter_is_told_before_an_offset_of_the_other_set);
+    RUN_TEST(test_the_worse_offset_of_both_sets_is_reported);
+    RUN_TEST(test_an_adc_channel_of_either_set_without_noise_is_refused);
+    RUN_TEST(test_a_stuck_adc_channel_is_reported_before_an_offset_of_the_other_set);
     RUN_TEST(test_a_calibration_takes_a_phase_that_a_run_left_out);
     RUN_TEST(test_a_trip_of_either_set_switches_both_off_at_once);
     RUN_TEST(test_a_fault_shorts_both_sets_where_that_is_commanded);
     RUN_TEST(test_over_current_in_set_2_is_seen);
-    RUN_TEST(test_the_current_of_a_trip_is_told);
+    RUN_TEST(test_the_current_of_a_trip_is_reported);
     RUN_TEST(test_the_stamp_of_set_1_is_watched);
     RUN_TEST(test_a_single_sample_at_the_rail_passes);
     RUN_TEST(test_a_voltage_that_is_none_in_either_set_trips_in_the_same_call);
@@ -1497,7 +1497,7 @@ int main(void) {
     RUN_TEST(test_injection_finds_the_machine_at_low_speed);
     RUN_TEST(test_ignored_it_stays_unseen);
     RUN_TEST(test_a_mode_that_changes_by_itself_turns_both_sets_off);
-    RUN_TEST(test_converters_that_all_read_the_middle_are_stuck);
+    RUN_TEST(test_adc_channels_that_all_read_the_middle_are_stuck);
     RUN_TEST(test_gains_that_change_at_once_switch_both_sets_off);
     RUN_TEST(test_implausible_currents_of_either_set_trip);
     RUN_TEST(test_a_stuck_current_of_the_set_that_is_left_is_named);

@@ -67,7 +67,7 @@ static void test_mail_is_read_once(void) {
 }
 
 /// The current that trips is the one that telemetry tells.
-static void test_the_current_of_a_trip_is_told(void) {
+static void test_the_current_of_a_trip_is_reported(void) {
     rig_t rig = running(80.0, 8.0);
     rig_run(&rig, 1.0);
     rig.motor.id = -25.0;
@@ -118,7 +118,7 @@ static void test_an_estimate_of_no_motor_is_a_lost_lock(void) {
 }
 
 /// A post that the flags hide from a steady drive is found within a round.
-static void test_a_post_that_is_not_told_is_found(void) {
+static void test_a_post_that_is_not_notified_is_found(void) {
     rig_t rig = steady();
     rig_command(&rig, off);
     rig.drive.mail = false;
@@ -680,10 +680,10 @@ int main(void) {
     RUN_TEST(test_every_bit_of_an_order_counts);
     RUN_TEST(test_a_driven_mode_that_became_another_trips_at_once);
     RUN_TEST(test_mail_is_read_once);
-    RUN_TEST(test_the_current_of_a_trip_is_told);
+    RUN_TEST(test_the_current_of_a_trip_is_reported);
     RUN_TEST(test_after_a_mailbox_that_lies_the_drive_can_be_started_again);
     RUN_TEST(test_an_estimate_of_no_motor_is_a_lost_lock);
-    RUN_TEST(test_a_post_that_is_not_told_is_found);
+    RUN_TEST(test_a_post_that_is_not_notified_is_found);
     RUN_TEST(test_the_guard_counts_anew_from_the_low_sides_on);
     RUN_TEST(test_over_current_of_either_sign_in_the_same_call);
     RUN_TEST(test_hardware_trip_in_the_same_call);

@@ -392,7 +392,7 @@ static void test_torque_control_without_a_sensor_stops_by_speed(void) {
     }
 }
 
-static void test_a_speed_that_is_raised_is_told(void) {
+static void test_a_speed_that_is_raised_is_reported(void) {
     rig_t rig = running(1.0, 8.0);
     rig_run(&rig, 3.0);
     TEST_ASSERT_TRUE(rig_telemetry(&rig).speed_raised);
@@ -717,7 +717,7 @@ int main(void) {
     RUN_TEST(test_a_current_is_short_by_both_its_parts);
     RUN_TEST(test_torque_control_follows_torque_and_holds_its_speeds);
     RUN_TEST(test_torque_control_without_a_sensor_stops_by_speed);
-    RUN_TEST(test_a_speed_that_is_raised_is_told);
+    RUN_TEST(test_a_speed_that_is_raised_is_reported);
     RUN_TEST(test_speed_zero_stops_and_switches_off);
     RUN_TEST(test_the_way_back_begins_where_its_current_makes_the_torque);
     RUN_TEST(test_gates_off_no_voltage_is_on_its_way);

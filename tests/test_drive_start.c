@@ -114,7 +114,7 @@ static void check_why(const lode_fault_t *why, const char *stage, const char *cr
 }
 
 /// A jammed rotor, and one whose load is too large, make no EMF. Each attempt says so as it fails, and the start goes on.
-static void test_a_rotor_that_does_not_follow_is_told_by_its_emf(void) {
+static void test_a_rotor_that_does_not_follow_is_reported_by_its_emf(void) {
     for (int jams = 0; jams <= 1; jams++) {
         rig_t rig = fresh();
         rig.blocked = jams == 1;
@@ -145,7 +145,7 @@ static void test_a_rotor_that_does_not_follow_is_told_by_its_emf(void) {
 }
 
 /// A psi in the configuration that is half as large again as the magnets' leaves an EMF, but no lock.
-static void test_a_wrong_psi_is_told_by_the_lock(void) {
+static void test_a_wrong_psi_is_reported_by_the_lock(void) {
     rig_t rig = fresh();
     rig.motor.psi *= 0.7;
     const lode_telemetry_t t = failed_start(&rig);
@@ -396,7 +396,7 @@ static void test_a_start_tries_bridge_and_sensors(void) {
 }
 
 /// Of the start's first attempt it is told whether it was checked, and of one that follows what that has shown.
-static void test_a_start_without_its_signal_check_is_told(void) {
+static void test_a_start_without_its_signal_check_is_reported(void) {
     for (int n = 0; n < 4; n++) {
         rig_t rig = fresh();
         TEST_ASSERT_FALSE(rig_telemetry(&rig).signals_checked);
@@ -600,7 +600,7 @@ static rig_t handed_over(void) {
 
 /// Loses the lock, and with it the gates without a fault; the next attempt begins from rest.
 static void lose_an_attempt(rig_t *rig, unsigned attempt) {
-    const int looks = (int)(tuning.guard.lock_looks * LODE_GUARD_PERIODS);
+    const int looks = (int)(tuning.guard.lock_checks * LODE_GUARD_PERIODS);
     const int steps = steps_until_off(rig, 0.3f, 1.0f, 1000);
     CHECK_NEAR(2.0 * LODE_GUARD_PERIODS, 2.0 / 3.0 * looks, steps);
     TEST_ASSERT_EQUAL_INT(LODE_MODE_OFF, rig_telemetry(rig).mode);
@@ -665,7 +665,7 @@ static void test_all_attempts_of_a_start_have_one_time(void) {
 /// To the last round.
 static void test_a_start_is_proven_to_the_round(void) {
     rig_t rig = handed_over();
-    rig.drive.guard.lock = (uint_least16_t)tuning.guard.lock_looks;
+    rig.drive.guard.lock = (uint_least16_t)tuning.guard.lock_checks;
     rig.drive.losses = 1u;
     for (int left = 0; left <= 1; left++) {
         rig_t lost = rig;
@@ -1176,8 +1176,8 @@ int main(void) {
     RUN_TEST(test_no_jump_at_hand_over);
     RUN_TEST(test_the_vector_of_a_start_is_led_by_one_and_a_half_periods);
     RUN_TEST(test_a_start_has_its_time);
-    RUN_TEST(test_a_rotor_that_does_not_follow_is_told_by_its_emf);
-    RUN_TEST(test_a_wrong_psi_is_told_by_the_lock);
+    RUN_TEST(test_a_rotor_that_does_not_follow_is_reported_by_its_emf);
+    RUN_TEST(test_a_wrong_psi_is_reported_by_the_lock);
     RUN_TEST(test_a_start_with_too_little_time_tells_where_it_was);
     RUN_TEST(test_a_trip_in_a_start_tells_the_stage);
     RUN_TEST(test_much_resistance_is_corrected_in_part);
@@ -1187,7 +1187,7 @@ int main(void) {
     RUN_TEST(test_a_flight_begins_with_the_emf);
     RUN_TEST(test_off_ends_the_pulses);
     RUN_TEST(test_a_start_tries_bridge_and_sensors);
-    RUN_TEST(test_a_start_without_its_signal_check_is_told);
+    RUN_TEST(test_a_start_without_its_signal_check_is_reported);
     RUN_TEST(test_swapped_sensors_end_the_start_before_it_begins);
     RUN_TEST(test_bridge_and_sensors_are_tried_without_low_side_pulses);
     RUN_TEST(test_starts_that_try_nothing);

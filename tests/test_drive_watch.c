@@ -33,7 +33,7 @@ static void run_stuck(rig_t *rig, int stuck, const lode_counts_t *held, double *
 }
 
 /// From any instant of an electrical period, which takes 105 steps.
-static void test_a_stuck_converter_trips_before_the_current_is_large(void) {
+static void test_a_stuck_adc_channel_trips_before_the_current_is_large(void) {
     rig_t running = fresh();
     running.load_Nm = 1.5;
     run_up(&running, 100.0, 8.0);
@@ -55,7 +55,7 @@ static void test_a_stuck_converter_trips_before_the_current_is_large(void) {
             }
             // One alone may take the reference down with it, for a while.
             CHECK_AT_MOST(stuck <= 3 ? 16.0e-3 : (stuck == 4 ? 5.0e-3 : 6.5e-3), time_s);
-            // With noise the looks are twice as far apart.
+            // With noise the checks are twice as far apart.
             CHECK_AT_MOST((stuck <= 4 ? 0.5 : 1.2) * 12.0, most_A);
         }
     }
@@ -64,17 +64,17 @@ static void test_a_stuck_converter_trips_before_the_current_is_large(void) {
 /// Degrees by which a current of `i_A` that is asked for turns before a phase that rests at zero counts as stuck; the
 /// other two move.
 static double degrees_until_stuck(rig_t rig, double i_A, double omega) {
-    const double look_deg = omega * LODE_GUARD_PERIODS * RIG_TS_s / CHECK_DEG;
+    const double check_deg = omega * LODE_GUARD_PERIODS * RIG_TS_s / CHECK_DEG;
     rig.drive.ref_A = (lode_dq_t){0.0f, (float)i_A};
     rig.drive.estimator.pll.omega_rad_s = (float)omega;
     lode_plausibility_reset(&rig.drive.plausibility);
-    int looks = 0;
-    while (rig.drive.mode == (uint_least8_t)LODE_MODE_RUN && looks * look_deg < 360.0) {
-        const int32_t i[LODE_PHASES] = {0, 20000 + 100 * looks, -20000 - 100 * looks};
+    int checks = 0;
+    while (rig.drive.mode == (uint_least8_t)LODE_MODE_RUN && checks * check_deg < 360.0) {
+        const int32_t i[LODE_PHASES] = {0, 20000 + 100 * checks, -20000 - 100 * checks};
         lode_drive_suspect(&rig.drive, &rig.drive.plausibility, i, 1.0f);
-        looks++;
+        checks++;
     }
-    return looks * look_deg;
+    return checks * check_deg;
 }
 
 /// Dead time and drops hold a phase at zero where its current asks for less voltage than they take: it may rest longer. So they
@@ -102,35 +102,35 @@ static void test_what_dead_time_and_drops_hold_is_not_stuck(void) {
     }
 }
 
-/// Sums of the currents that are wrong in one look of `every`, after one that was wrong and `sound` that were not: looks
+/// Sums of the currents that are wrong in one check of `every`, after one that was wrong and `sound` that were not: checks
 /// until it trips, at most 1000.
-static uint32_t looks_of_wrong_sums(rig_t rig, uint32_t every, uint32_t sound) {
-    uint32_t look = 0u;
+static uint32_t checks_of_wrong_sums(rig_t rig, uint32_t every, uint32_t sound) {
+    uint32_t check = 0u;
     lode_plausibility_reset(&rig.drive.plausibility);
-    while (rig.drive.mode == (uint_least8_t)LODE_MODE_RUN && look < 1000u) {
-        const bool now = look == 0u || (look > sound && look % every == 0u);
+    while (rig.drive.mode == (uint_least8_t)LODE_MODE_RUN && check < 1000u) {
+        const bool now = check == 0u || (check > sound && check % every == 0u);
         const int32_t wrong = now ? 2 * tuning.plausibility.i_sum : 0;
-        const int32_t moves = (int32_t)(look % 2u);
+        const int32_t moves = (int32_t)(check % 2u);
         const int32_t i[LODE_PHASES] = {20000 + wrong + moves, -10000 - moves, -10000 + moves};
         lode_drive_suspect(&rig.drive, &rig.drive.plausibility, i, 1.0f);
-        look++;
+        check++;
     }
-    return look;
+    return check;
 }
 
 static void test_a_wrong_sum_of_the_currents_trips_where_it_persists(void) {
     const rig_t rig = running(100.0, 8.0);
-    const uint32_t looks = rig.drive.tuning->guard.lock_looks;
-    TEST_ASSERT_EQUAL_UINT32(looks, looks_of_wrong_sums(rig, 1u, 0u));
-    TEST_ASSERT_EQUAL_UINT32(looks + 11u, looks_of_wrong_sums(rig, 1u, 10u));
-    TEST_ASSERT_EQUAL_UINT32(1000u, looks_of_wrong_sums(rig, 2u, 0u));
-    TEST_ASSERT_EQUAL_UINT32(1000u, looks_of_wrong_sums(rig, 3u, 0u));
+    const uint32_t checks = rig.drive.tuning->guard.lock_checks;
+    TEST_ASSERT_EQUAL_UINT32(checks, checks_of_wrong_sums(rig, 1u, 0u));
+    TEST_ASSERT_EQUAL_UINT32(checks + 11u, checks_of_wrong_sums(rig, 1u, 10u));
+    TEST_ASSERT_EQUAL_UINT32(1000u, checks_of_wrong_sums(rig, 2u, 0u));
+    TEST_ASSERT_EQUAL_UINT32(1000u, checks_of_wrong_sums(rig, 3u, 0u));
 }
 
 /// Looks at currents of a start that stand still until they count as stuck, at most 40. The vector turns by `turn_rad` from
 /// one to the next, its damping takes `back` of that from it. Before, currents that moved while the damping went through
 /// `before_rad` of its range.
-static int looks_until_stuck(rig_t rig, float turn_rad, float back, float before_rad) {
+static int checks_until_stuck(rig_t rig, float turn_rad, float back, float before_rad) {
     lode_start_t *start = &rig.drive.state.start;
     int32_t i[LODE_PHASES] = {60000, -25000, -35000};
     start->omega_rad_s = turn_rad / (float)(LODE_GUARD_PERIODS * RIG_TS_s);
@@ -145,13 +145,13 @@ static int looks_until_stuck(rig_t rig, float turn_rad, float back, float before
         i[2] = -i[0] - i[1];
         lode_drive_suspect(&rig.drive, &rig.drive.plausibility, i, 1.0f);
     }
-    int looks = 0;
-    while (rig.drive.mode == (uint_least8_t)LODE_MODE_START && looks < 40) {
-        start->swing_V += looks > 0 ? back * turn_rad : 0.0f;
+    int checks = 0;
+    while (rig.drive.mode == (uint_least8_t)LODE_MODE_START && checks < 40) {
+        start->swing_V += checks > 0 ? back * turn_rad : 0.0f;
         lode_drive_suspect(&rig.drive, &rig.drive.plausibility, i, 1.0f);
-        looks++;
+        checks++;
     }
-    return looks;
+    return checks;
 }
 
 /// While its damping turns the vector of a start back as fast as it turns on, the currents rest.
@@ -165,18 +165,18 @@ static void test_currents_that_rest_by_the_damping_are_not_stuck(void) {
     }
     rig_expect(&rig, LODE_MODE_START);
     const float turn_rad = 0.01f;
-    const int without = looks_until_stuck(rig, turn_rad, 0.0f, 0.0f);
+    const int without = checks_until_stuck(rig, turn_rad, 0.0f, 0.0f);
     CHECK_AT_MOST(20, without);
     CHECK_AT_LEAST(4, without);
-    TEST_ASSERT_EQUAL_INT(40, looks_until_stuck(rig, turn_rad, 1.0f, 0.0f));
+    TEST_ASSERT_EQUAL_INT(40, checks_until_stuck(rig, turn_rad, 1.0f, 0.0f));
     // What it did before they rested does not count.
-    TEST_ASSERT_EQUAL_INT(without, looks_until_stuck(rig, turn_rad, 0.0f, 0.2f));
-    TEST_ASSERT_EQUAL_INT(without, looks_until_stuck(rig, turn_rad, 0.0f, -0.2f));
+    TEST_ASSERT_EQUAL_INT(without, checks_until_stuck(rig, turn_rad, 0.0f, 0.2f));
+    TEST_ASSERT_EQUAL_INT(without, checks_until_stuck(rig, turn_rad, 0.0f, -0.2f));
 }
 
-/// Looks, up to 30, at counts that rest 1 A off the reference along d, at a voltage that leads the missing current by
-/// `lead_deg`: number of looks until they count as stuck.
-static int looks_until_wound_up(rig_t rig, double lead_deg) {
+/// Checks, up to 30, at counts that rest 1 A off the reference along d, at a voltage that leads the missing current by
+/// `lead_deg`: number of checks until they count as stuck.
+static int checks_until_wound_up(rig_t rig, double lead_deg) {
     const int32_t i[LODE_PHASES] = {2560, -1280, -1280};
     const float u_V = 40.0f; // three times what resistance and dead time take
     lode_plausibility_reset(&rig.drive.plausibility);
@@ -184,12 +184,12 @@ static int looks_until_wound_up(rig_t rig, double lead_deg) {
     rig.drive.ref_A = (lode_dq_t){5.0f, 0.0f};
     rig.drive.u_V =
         (lode_dq_t){u_V * (float)cos(lead_deg * CHECK_DEG), u_V * (float)sin(lead_deg * CHECK_DEG)};
-    int looks = 0;
-    while (rig.drive.gates && looks < 30) {
+    int checks = 0;
+    while (rig.drive.gates && checks < 30) {
         lode_drive_suspect(&rig.drive, &rig.drive.plausibility, i, 1.0f);
-        looks++;
+        checks++;
     }
-    return looks;
+    return checks;
 }
 
 /// (S44): control that winds up does so along the current that it misses. Any other voltage is the EMF of a rotor that swings.
@@ -202,11 +202,11 @@ static void test_only_a_voltage_along_the_missing_current_is_wound_up(void) {
     }
     rig_expect(&rig, LODE_MODE_START);
     for (int sign = -1; sign <= 1; sign += 2) {
-        CHECK_AT_MOST(10, looks_until_wound_up(rig, sign * 44.0));
-        TEST_ASSERT_EQUAL_INT(30, looks_until_wound_up(rig, sign * 46.0));
-        TEST_ASSERT_EQUAL_INT(30, looks_until_wound_up(rig, sign * 136.0));
+        CHECK_AT_MOST(10, checks_until_wound_up(rig, sign * 44.0));
+        TEST_ASSERT_EQUAL_INT(30, checks_until_wound_up(rig, sign * 46.0));
+        TEST_ASSERT_EQUAL_INT(30, checks_until_wound_up(rig, sign * 136.0));
     }
-    TEST_ASSERT_EQUAL_INT(30, looks_until_wound_up(rig, 180.0));
+    TEST_ASSERT_EQUAL_INT(30, checks_until_wound_up(rig, 180.0));
 }
 
 /// The amplitude that the phases should show, after looks at currents of 3 A (RUN, reference 5 A) of which `kept` have kept
@@ -220,8 +220,8 @@ static double amplitude_A(rig_t rig, double share, int kept) {
     rig.drive.ref_A = (lode_dq_t){0.0f, 5.0f};
     rig.drive.i_A = (lode_dq_t){0.0f, 3.0f};
     lode_plausibility_reset(&rig.drive.plausibility);
-    for (int look = 0; look < 3; look++) { // kept twice in a row
-        lode_drive_suspect(&rig.drive, &rig.drive.plausibility, look < 2 ? before : now, 1.0f);
+    for (int check = 0; check < 3; check++) { // kept twice in a row
+        lode_drive_suspect(&rig.drive, &rig.drive.plausibility, check < 2 ? before : now, 1.0f);
     }
     return sqrt((double)rig.drive.plausibility.i_A2);
 }
@@ -236,21 +236,21 @@ static void test_what_the_phases_should_show(void) {
 }
 
 /// Looks at a current of which no count moves, with an EMF of `share` of the voltage: what is found.
-static lode_check_t found_at_rest(rig_t rig, double share, int looks) {
+static lode_check_t found_at_rest(rig_t rig, double share, int checks) {
     const double circle_V = (double)(tuning.current.circle * 200.0f);
     rig.drive.i_A = (lode_dq_t){0.0f, 0.0f};
     rig.drive.estimator.pll.omega_rad_s = (float)(share * circle_V / 0.142);
     lode_plausibility_reset(&rig.drive.plausibility);
-    for (int look = 0; look < looks; look++) {
+    for (int check = 0; check < checks; check++) {
         const int32_t none[LODE_PHASES] = {0, 0, 0};
-        rig.drive.ref_A = (lode_dq_t){0.0f, 4.0f + 0.5f * (float)(look % 2)};
+        rig.drive.ref_A = (lode_dq_t){0.0f, 4.0f + 0.5f * (float)(check % 2)};
         lode_drive_suspect(&rig.drive, &rig.drive.plausibility, none, 1.0f);
     }
     return rig_telemetry(&rig).fault.check;
 }
 
 /// Where the EMF takes the voltage the current need not follow: that none does is no ADC channel's fault. But it moves within
-/// a turn, of some 12 looks here.
+/// a turn, of some 12 checks here.
 static void test_a_current_that_the_voltage_does_not_allow_is_not_missed(void) {
     const rig_t rig = running(100.0, 8.0);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 0.78, 12));
@@ -259,7 +259,7 @@ static void test_a_current_that_the_voltage_does_not_allow_is_not_missed(void) {
 }
 
 /// From every millisecond of a start, with the vector at rest and on its way: what reads no current, and what was read last.
-static void test_converters_stuck_in_a_start_trip_before_the_current_is_large(void) {
+static void test_adc_channels_stuck_in_a_start_trip_before_the_current_is_large(void) {
     rig_t starting = fresh();
     rig_command(&starting, run_at(100.0));
     TEST_ASSERT_TRUE(reach(&starting, LODE_MODE_START, 0.2));
@@ -320,38 +320,38 @@ static void test_another_flux_is_named(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, with_less_flux(rig, 0.0).check);
 }
 
-/// Loses the lock while the observer's EMF has `size` times what the speed induces. For the first `aside` looks it stands
+/// Loses the lock while the observer's EMF has `size` times what the speed induces. For the first `aside` checks it stands
 /// 45 degrees beside the rotor's q axis, then along it. The check that trips.
 static lode_check_t by_emf_aside(rig_t rig, uint32_t aside, float size) {
     lode_estimator_t *estimator = &rig.drive.estimator;
-    uint32_t look = 0u;
-    while (rig.drive.mode == (uint_least8_t)LODE_MODE_RUN && look < 1000u) {
+    uint32_t check = 0u;
+    while (rig.drive.mode == (uint_least8_t)LODE_MODE_RUN && check < 1000u) {
         const float taken = 1.0f + estimator->pll.omega_rad_s * estimator->pll.omega_rad_s *
                                        tuning.estimator.droop_s2;
         const float e_V = size * (float)rig.motor.psi * estimator->pll.omega_rad_s / taken;
-        const float off_rad = look < aside ? 0.7854f : 0.0f;
+        const float off_rad = check < aside ? 0.7854f : 0.0f;
         const lode_dq_t at = {-e_V * sinf(off_rad), e_V * cosf(off_rad)};
         estimator->emf.observer.e_V = lode_park_inverse(at, estimator->pll.frame);
         estimator->lock = 0.0f;
         estimator->id_A = 0.0f;
         lode_drive_check_slow(&rig.drive);
-        look++;
+        check++;
     }
-    TEST_ASSERT_EQUAL_UINT32(tuning.guard.lock_looks, look);
+    TEST_ASSERT_EQUAL_UINT32(tuning.guard.lock_checks, check);
     return (lode_check_t)rig_telemetry(&rig).fault.check;
 }
 
-/// Lost lock is that of another flux where the EMF was along the rotor at every look, and off by a fifth at least.
+/// Lost lock is that of another flux where the EMF was along the rotor at every check, and off by a fifth at least.
 static void test_another_flux_is_one_at_every_look(void) {
     rig_t rig = running(100.0, 8.0);
     rig_run(&rig, 0.5); // the start is over
-    const uint32_t looks = rig.drive.tuning->guard.lock_looks;
-    TEST_ASSERT_TRUE(looks > 6u);
+    const uint32_t checks = rig.drive.tuning->guard.lock_checks;
+    TEST_ASSERT_TRUE(checks > 6u);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_FLUX, by_emf_aside(rig, 0u, 1.5f));
     for (uint32_t aside = 1u; aside <= 4u; aside++) {
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, by_emf_aside(rig, aside, 1.5f));
     }
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, by_emf_aside(rig, looks, 1.5f));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, by_emf_aside(rig, checks, 1.5f));
     const float sizes[] = {0.45f, 0.55f, 0.77f, 0.83f, 1.17f, 1.23f};
     const bool other[] = {false, true, true, false, false, true};
     for (int n = 0; n < COUNT_OF(sizes); n++) {
@@ -493,7 +493,7 @@ static void test_the_hand_over_begins_the_counts_of_run(void) {
     TEST_ASSERT_EQUAL_FLOAT(rig.drive.estimator.pll.omega_rad_s,
                             rig.drive.state.run.load.held_rad_s);
     lode_half_waves_t waves = rig.drive.state.run.waves;
-    waves.asked_A = (lode_dq_t){0.0f, 0.0f}; // which the next look goes by
+    waves.ref_A = (lode_dq_t){0.0f, 0.0f}; // which the next check goes by
     TEST_ASSERT_EQUAL_MEMORY(&none_lacking, &waves, sizeof none_lacking);
 }
 
@@ -517,8 +517,8 @@ static void test_half_waves_are_looked_at_with_and_without_field_weakening(void)
     }
 }
 
-/// One look at half-waves, of half of i_max, with the frame at `angle_rad`. Phase 2 has no positive one.
-static void look_without_a_half_wave(lode_drive_t *drive, double angle_rad) {
+/// One check of half-waves, of half of i_max, with the frame at `angle_rad`. Phase 2 has no positive one.
+static void check_without_a_half_wave(lode_drive_t *drive, double angle_rad) {
     const float i_A = 0.5f * rig_config().inverter.i_max_A;
     drive->ref_A = (lode_dq_t){-0.6f * i_A, 0.8f * i_A};
     drive->estimator.pll.frame =
@@ -544,13 +544,13 @@ static void look_without_a_half_wave(lode_drive_t *drive, double angle_rad) {
 /// Turns of a rotor at `omega` until the half-wave is found, from `from_rad` on; 4: it is not.
 static double turns_until_found(rig_t rig, float omega, double from_rad) {
     lode_drive_t *drive = &rig.drive;
-    const double look_rad = 8.0 * RIG_TS_s * (double)omega;
+    const double check_rad = 8.0 * RIG_TS_s * (double)omega;
     double turned_rad = 0.0;
     drive->estimator.pll.omega_rad_s = omega;
     drive->estimator.lag.omega_rad_s = omega;
     while (drive->mode == (uint_least8_t)LODE_MODE_RUN && fabs(turned_rad) < 8.0 * CHECK_PI) {
-        turned_rad += look_rad;
-        look_without_a_half_wave(drive, from_rad + turned_rad);
+        turned_rad += check_rad;
+        check_without_a_half_wave(drive, from_rad + turned_rad);
     }
     if (drive->mode == (uint_least8_t)LODE_MODE_RUN) {
         return 4.0;
@@ -618,18 +618,18 @@ static void test_a_turn_that_tells_nothing_forgets(void) {
     rig.drive.estimator.pll.omega_rad_s = 0.5f * tuning.start.omega_ready;
     TEST_ASSERT_TRUE(lode_drive_watch_half_waves(&rig.drive));
     lode_half_waves_t waves = rig.drive.state.run.waves;
-    waves.asked_A = (lode_dq_t){0.0f, 0.0f}; // which the next look goes by
+    waves.ref_A = (lode_dq_t){0.0f, 0.0f}; // which the next check goes by
     TEST_ASSERT_EQUAL_MEMORY(&none_lacking, &waves, sizeof none_lacking);
 }
 
-/// Where the current is as asked for nothing is looked at, which would begin the count of idle rounds anew: a look is dear.
-static void test_a_current_as_asked_for_spares_the_look(void) {
-    static const lode_dq_t asked_A[] = {{6.0f, 0.0f}, {0.0f, 6.0f}};
-    for (int n = 0; n < COUNT_OF(asked_A); n++) {
+/// Where the current is as asked for nothing is looked at, which would begin the count of idle rounds anew: a check is dear.
+static void test_a_current_at_its_reference_spares_the_check(void) {
+    static const lode_dq_t ref_A[] = {{6.0f, 0.0f}, {0.0f, 6.0f}};
+    for (int n = 0; n < COUNT_OF(ref_A); n++) {
         rig_t rig = running_with_voltage();
         rig.drive.state.run.waves.idle = 9u;
-        rig.drive.ref_A = asked_A[n];
-        rig.drive.i_A = asked_A[n];
+        rig.drive.ref_A = ref_A[n];
+        rig.drive.i_A = ref_A[n];
         TEST_ASSERT_TRUE(lode_drive_watch_half_waves(&rig.drive));
         TEST_ASSERT_EQUAL_UINT(9u, rig.drive.state.run.waves.idle);
     }
@@ -1077,20 +1077,20 @@ static void test_a_temperature_that_stands_still_trips_where_it_should_not(void)
 
 /// Looks at a vector that keeps still while another one is asked for, until it is doubted; at most 100. `share`: of the
 /// voltage that dead time and drops take.
-static int looks_until_doubted(rig_t rig, float share) {
+static int checks_until_doubted(rig_t rig, float share) {
     const lode_inverter_tuning_t *inverter = &tuning.inverter;
     const float taken_V =
         (inverter->dead_duty + inverter->dead_more_max) * rig.drive.inverter.v_bus_V +
         2.0f * inverter->v_drop_V;
     CHECK_AT_LEAST(1.0, (double)taken_V);
     rig.drive.u_V = (lode_dq_t){0.0f, share * taken_V};
-    rig.drive.frozen = (lode_frozen_t){.looks = 0u};
-    int looks = 0;
+    rig.drive.frozen = (lode_frozen_t){.checks = 0u};
+    int checks = 0;
     do {
-        rig.drive.ref_A = (lode_dq_t){0.0f, looks == 0 ? 1.0f : 6.0f};
-        looks++;
-    } while (lode_drive_doubt_frozen(&rig.drive) && looks < 100);
-    return looks;
+        rig.drive.ref_A = (lode_dq_t){0.0f, checks == 0 ? 1.0f : 6.0f};
+        checks++;
+    } while (lode_drive_doubt_frozen(&rig.drive) && checks < 100);
+    return checks;
 }
 
 /// Within what dead time takes a current may rest at zero, whatever is asked for: it is doubted after a turn alone (K36).
@@ -1098,9 +1098,9 @@ static void test_dead_time_may_keep_a_vector_still(void) {
     const rig_t rig = running(80.0, 8.0);
     const double round_rad = 8.0 * RIG_TS_s * (double)rig.drive.estimator.pll.omega_rad_s;
     const int turn = 1 + (int)ceil(2.0 * CHECK_PI / round_rad);
-    TEST_ASSERT_EQUAL_INT(3, looks_until_doubted(rig, 1.01f));
-    TEST_ASSERT_EQUAL_INT(turn, looks_until_doubted(rig, 0.99f));
-    TEST_ASSERT_EQUAL_INT(3, looks_until_doubted(rig, -1.01f));
+    TEST_ASSERT_EQUAL_INT(3, checks_until_doubted(rig, 1.01f));
+    TEST_ASSERT_EQUAL_INT(turn, checks_until_doubted(rig, 0.99f));
+    TEST_ASSERT_EQUAL_INT(3, checks_until_doubted(rig, -1.01f));
 }
 
 /// Nor has it to follow where the EMF takes the voltage.
@@ -1109,17 +1109,17 @@ static void test_a_vector_need_not_follow_at_the_edge_of_the_voltage(void) {
     const double round_rad = 8.0 * RIG_TS_s * (double)rig.drive.estimator.pll.omega_rad_s;
     const float V = (float)(0.8 * (double)tuning.current.circle);
     const float emf_V = tuning.references.psi_Wb * rig.drive.estimator.pll.omega_rad_s;
-    rig.drive.frozen = (lode_frozen_t){.looks = 0u};
+    rig.drive.frozen = (lode_frozen_t){.checks = 0u};
     for (int k = 0; k <= 1; k++) {
         rig_t at = rig;
         at.drive.inverter.v_bus_V = (k > 0 ? 0.99f : 1.01f) * emf_V / V;
         at.drive.u_V = (lode_dq_t){0.0f, 50.0f}; // more than dead time takes
-        int looks = 0;
+        int checks = 0;
         do {
-            at.drive.ref_A = (lode_dq_t){0.0f, looks == 0 ? 1.0f : 6.0f};
-            looks++;
-        } while (lode_drive_doubt_frozen(&at.drive) && looks < 100);
-        TEST_ASSERT_EQUAL_INT(k > 0 ? 1 + (int)ceil(2.0 * CHECK_PI / round_rad) : 3, looks);
+            at.drive.ref_A = (lode_dq_t){0.0f, checks == 0 ? 1.0f : 6.0f};
+            checks++;
+        } while (lode_drive_doubt_frozen(&at.drive) && checks < 100);
+        TEST_ASSERT_EQUAL_INT(k > 0 ? 1 + (int)ceil(2.0 * CHECK_PI / round_rad) : 3, checks);
     }
 }
 
@@ -1131,25 +1131,25 @@ static void test_a_vector_without_a_current_is_not_frozen(void) {
         lode_drive_t drive = rig.drive;
         drive.mode = (uint_least8_t)modes[k];
         drive.state.start.stage = (uint_least8_t)LODE_START_CATCH;
-        drive.frozen.looks = 5u;
+        drive.frozen.checks = 5u;
         TEST_ASSERT_TRUE(lode_drive_doubt_frozen(&drive));
-        TEST_ASSERT_EQUAL_UINT(0u, drive.frozen.looks);
+        TEST_ASSERT_EQUAL_UINT(0u, drive.frozen.checks);
     }
     rig.drive.mode = (uint_least8_t)LODE_MODE_START; // with its vector it goes on
     rig.drive.state.start.stage = (uint_least8_t)LODE_START_TURN;
-    rig.drive.frozen.looks = 5u;
+    rig.drive.frozen.checks = 5u;
     (void)lode_drive_doubt_frozen(&rig.drive);
-    TEST_ASSERT_EQUAL_UINT(6u, rig.drive.frozen.looks);
+    TEST_ASSERT_EQUAL_UINT(6u, rig.drive.frozen.checks);
 }
 
 int main(void) {
     UNITY_BEGIN();
-    RUN_TEST(test_a_stuck_converter_trips_before_the_current_is_large);
+    RUN_TEST(test_a_stuck_adc_channel_trips_before_the_current_is_large);
     RUN_TEST(test_what_dead_time_and_drops_hold_is_not_stuck);
     RUN_TEST(test_a_wrong_sum_of_the_currents_trips_where_it_persists);
     RUN_TEST(test_currents_that_rest_by_the_damping_are_not_stuck);
     RUN_TEST(test_a_current_that_the_voltage_does_not_allow_is_not_missed);
-    RUN_TEST(test_converters_stuck_in_a_start_trip_before_the_current_is_large);
+    RUN_TEST(test_adc_channels_stuck_in_a_start_trip_before_the_current_is_large);
     RUN_TEST(test_only_a_voltage_along_the_missing_current_is_wound_up);
     RUN_TEST(test_what_the_phases_should_show);
     RUN_TEST(test_another_flux_is_named);
@@ -1163,7 +1163,7 @@ int main(void) {
     RUN_TEST(test_turns_that_tell_of_no_half_wave);
     RUN_TEST(test_a_half_wave_is_found_within_1_2_turns_either_way);
     RUN_TEST(test_a_turn_that_tells_nothing_forgets);
-    RUN_TEST(test_a_current_as_asked_for_spares_the_look);
+    RUN_TEST(test_a_current_at_its_reference_spares_the_check);
     RUN_TEST(test_a_bus_that_stands_still_trips_where_the_emf_has_moved);
     RUN_TEST(test_a_load_beyond_all_torque_is_named_within_100_ms);
     RUN_TEST(test_a_load_that_can_be_held_is_none_beyond_all_torque);

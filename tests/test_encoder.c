@@ -198,7 +198,7 @@ static void test_a_sensor_that_jumps_tells_no_load_beyond_reason(void) {
 /// Between two edges the rotor follows the torque of the current and the load that is known (A3); the same with a QPLL.
 static void test_between_edges_the_speed_follows_the_torque(void) {
     const lode_encoder_config_t config = {.counts_per_turn = 18u, .offset_rad = middle_rad(18u)};
-    const lode_drive_config_t told = rig_config();
+    const lode_drive_config_t drive = rig_config();
     for (int qpll = 0; qpll < 2; qpll++) {
         if (qpll == 1) {
             drive_tuning.estimator.acc_per_torque = 0.0f;
@@ -212,14 +212,14 @@ static void test_between_edges_the_speed_follows_the_torque(void) {
             lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f}, 0u);
         encoder.load_rad_s2 = 100.0f;
         double omega = 0.0;
-        const double flux =
-            (double)told.motor.psi_Wb - 2.0 * ((double)told.motor.Ld_H - (double)told.motor.Lq_H);
+        const double flux = (double)drive.motor.psi_Wb -
+                            2.0 * ((double)drive.motor.Ld_H - (double)drive.motor.Lq_H);
         for (int k = 0; k < 100; k++) { // id -2 A, iq 1.5 A
             const lode_ab_t i_A = lode_park_inverse((lode_dq_t){-2.0f, 1.5f}, e.rotor);
             e = lode_encoder_estimate(&encoder, &tuning, &own, i_A, 0u);
             const double torque =
-                1.5 * NP * flux * 1.5 - (qpll == 1 ? 0.0 : (double)told.motor.B_Nms * omega / NP);
-            omega += RIG_TS_s * (100.0 + (k == 0 ? 0.0 : NP / (double)told.motor.J_kgm2 * torque));
+                1.5 * NP * flux * 1.5 - (qpll == 1 ? 0.0 : (double)drive.motor.B_Nms * omega / NP);
+            omega += RIG_TS_s * (100.0 + (k == 0 ? 0.0 : NP / (double)drive.motor.J_kgm2 * torque));
             if (lode_abs(lode_wrap(encoder.theta_rad - encoder.seen_rad)) > 0.45f) {
                 break;
             }

@@ -743,7 +743,7 @@ static void test_a_second_look_is_without_the_notches(void) {
     self->emf.observer.e_V = (lode_ab_t){3.0f, 4.0f};
     self->pll.omega_rad_s = 100.0f;
     CHECK_CLOSE(1.0e-6, -0.6,
-                lode_estimator_look_again(self, &w.tuning, (lode_sincos_t){0.0f, 1.0f}));
+                lode_estimator_recompute(self, &w.tuning, (lode_sincos_t){0.0f, 1.0f}));
     const lode_sogi_t none = {0.0f, 0.0f};
     TEST_ASSERT_EQUAL_MEMORY(&none, &self->by.alone.notch.sogi, sizeof none);
     TEST_ASSERT_EQUAL_MEMORY(&none, &self->by.alone.notch12.sogi, sizeof none);

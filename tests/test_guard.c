@@ -11,10 +11,10 @@ void tearDown(void) {}
 #define STATE 5         // any number: the record repeats it
 #define RAIL_PERIODS 5  // 1 ms of 200 us
 #define WATCH_PERIODS 4 // the slow checks: twice in LODE_SLOW_PERIODS
-#define BUS_LOOKS 2     // 1 ms of 800 us: two at least
-#define LOCK_LOOKS 18   // 15 ms
-#define BUS_PERIODS (BUS_LOOKS * WATCH_PERIODS)
-#define LOCK_PERIODS (LOCK_LOOKS * WATCH_PERIODS)
+#define BUS_CHECKS 2    // 1 ms of 800 us: two at least
+#define LOCK_CHECKS 18  // 15 ms
+#define BUS_PERIODS (BUS_CHECKS * WATCH_PERIODS)
+#define LOCK_PERIODS (LOCK_CHECKS * WATCH_PERIODS)
 
 static const lode_inverter_config_t inverter = {.v_bus_V = 200.0f, .i_max_A = 12.0f};
 // A count of 12.5 mA; i_trip is 1440 of them, the rails are 2048 and 2047 away.
@@ -177,11 +177,11 @@ static void test_hardware_trip_at_once(void) {
     CHECK_NEAR(0.0, 0.0, b.guard.fault.limit);
 }
 
-/// A debounced condition: passes one look of the slow checks short of `looks`, trips in the last one;
+/// A debounced condition: passes one check of the slow checks short of `checks`, trips in the last one;
 /// half-way down it counts back.
-static void check_debounce(bench_t good, bench_t bad, int looks, lode_check_t check) {
+static void check_debounce(bench_t good, bench_t bad, int checks, lode_check_t check) {
     bench_t b = bad;
-    TEST_ASSERT_EQUAL_INT(looks * WATCH_PERIODS, steps_to_trip(&b, 1000));
+    TEST_ASSERT_EQUAL_INT(checks * WATCH_PERIODS, steps_to_trip(&b, 1000));
     TEST_ASSERT_EQUAL_STRING(lode_check_name(check),
                              lode_check_name((lode_check_t)b.guard.fault.check));
     b = good;
@@ -200,7 +200,7 @@ static void check_debounce(bench_t good, bench_t bad, int looks, lode_check_t ch
         b.condition = n % 3 < 2 ? bad.condition : good.condition;
         runs = slow(&b);
     }
-    CHECK_NEAR(4.0, 3.0 * looks - 2.0, n);
+    CHECK_NEAR(4.0, 3.0 * checks - 2.0, n);
 }
 
 static void test_over_voltage(void) {
@@ -208,7 +208,7 @@ static void test_over_voltage(void) {
     good.condition.v_bus_V = 250.0f;
     bench_t bad = good;
     bad.condition.v_bus_V = nextafterf(250.0f, 300.0f);
-    check_debounce(good, bad, BUS_LOOKS, LODE_CHECK_OVER_VOLTAGE);
+    check_debounce(good, bad, BUS_CHECKS, LODE_CHECK_OVER_VOLTAGE);
     (void)steps_to_trip(&bad, 100);
     check_fault(&bad, LODE_CHECK_OVER_VOLTAGE, 250.0, 250.0);
 }
@@ -218,7 +218,7 @@ static void test_under_voltage(void) {
     good.condition.v_bus_V = 120.0f;
     bench_t bad = good;
     bad.condition.v_bus_V = nextafterf(120.0f, 0.0f);
-    check_debounce(good, bad, BUS_LOOKS, LODE_CHECK_UNDER_VOLTAGE);
+    check_debounce(good, bad, BUS_CHECKS, LODE_CHECK_UNDER_VOLTAGE);
     (void)steps_to_trip(&bad, 100);
     check_fault(&bad, LODE_CHECK_UNDER_VOLTAGE, 120.0, 120.0);
 }
@@ -228,7 +228,7 @@ static void test_over_temperature(void) {
     good.condition.temperature_degC = 90.0f;
     bench_t bad = good;
     bad.condition.temperature_degC = nextafterf(90.0f, 100.0f);
-    check_debounce(good, bad, BUS_LOOKS, LODE_CHECK_OVER_TEMPERATURE);
+    check_debounce(good, bad, BUS_CHECKS, LODE_CHECK_OVER_TEMPERATURE);
     (void)steps_to_trip(&bad, 100);
     check_fault(&bad, LODE_CHECK_OVER_TEMPERATURE, 90.0, 90.0);
 }
@@ -238,24 +238,24 @@ static void test_under_temperature(void) {
     good.condition.temperature_degC = -30.0f;
     bench_t bad = good;
     bad.condition.temperature_degC = nextafterf(-30.0f, -31.0f);
-    check_debounce(good, bad, BUS_LOOKS, LODE_CHECK_UNDER_TEMPERATURE);
+    check_debounce(good, bad, BUS_CHECKS, LODE_CHECK_UNDER_TEMPERATURE);
     (void)steps_to_trip(&bad, 100);
     check_fault(&bad, LODE_CHECK_UNDER_TEMPERATURE, -30.0, -30.0);
 }
 
-// Rails are met in the fast part and forgotten in the slow one: up per period, down per look without.
+// Rails are met in the fast part and forgotten in the slow one: up per period, down per check without.
 static void test_current_rail(void) {
     bench_t b = bench();
     set_railed(&b, true);
     TEST_ASSERT_EQUAL_INT(RAIL_PERIODS, steps_to_trip(&b, 1000));
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_RAIL, b.guard.fault.check);
-    // A single one, and then a round of looks without, for ever.
+    // A single one, and then a round of checks without, for ever.
     b = bench();
     for (int n = 0; n < 1000; n++) {
         set_railed(&b, n % (2 * WATCH_PERIODS) == 1);
         TEST_ASSERT_TRUE(step(&b));
     }
-    // One between any two looks is not forgotten.
+    // One between any two checks is not forgotten.
     b = bench();
     int n = 0;
     do {
@@ -263,7 +263,7 @@ static void test_current_rail(void) {
         n++;
     } while (step(&b) && n < 1000);
     TEST_ASSERT_EQUAL_INT((RAIL_PERIODS - 1) * WATCH_PERIODS + 2, n);
-    // One short of the limit is forgotten in as many looks, and no sooner.
+    // One short of the limit is forgotten in as many checks, and no sooner.
     for (int rest = 0; rest < RAIL_PERIODS; rest++) {
         b = bench();
         set_railed(&b, true);
@@ -271,7 +271,7 @@ static void test_current_rail(void) {
             TEST_ASSERT_TRUE(fast_on_time(&b));
         }
         set_railed(&b, false);
-        for (int k = 0; k <= rest; k++) { // the first look still sees it
+        for (int k = 0; k <= rest; k++) { // the first check still sees it
             TEST_ASSERT_TRUE(slow(&b));
         }
         set_railed(&b, true);
@@ -287,7 +287,7 @@ static void test_lost_lock(void) {
     good.condition.lock = LODE_LOCK_LOST;
     bench_t bad = good;
     bad.condition.lock = nextafterf(LODE_LOCK_LOST, 0.0f);
-    check_debounce(good, bad, LOCK_LOOKS, LODE_CHECK_LOST_LOCK);
+    check_debounce(good, bad, LOCK_CHECKS, LODE_CHECK_LOST_LOCK);
     (void)steps_to_trip(&bad, 100);
     check_fault(&bad, LODE_CHECK_LOST_LOCK, 0.5, 0.5);
 }
@@ -298,7 +298,7 @@ static void test_over_speed_both_ways(void) {
     good.condition.omega_rad_s = 1500.0f;
     bench_t bad = good;
     bad.condition.omega_rad_s = 1500.1f;
-    check_debounce(good, bad, LOCK_LOOKS, LODE_CHECK_OVER_SPEED);
+    check_debounce(good, bad, LOCK_CHECKS, LODE_CHECK_OVER_SPEED);
     (void)steps_to_trip(&bad, 100);
     check_fault(&bad, LODE_CHECK_OVER_SPEED, 1500.1, 1500.0);
     bench_t back = bench();
@@ -312,7 +312,7 @@ static void test_wrong_way(void) {
     good.condition.omega_rad_s = 100.0f;
     bench_t bad = good;
     bad.condition.omega_rad_s = -100.0f;
-    check_debounce(good, bad, LOCK_LOOKS, LODE_CHECK_WRONG_WAY);
+    check_debounce(good, bad, LOCK_CHECKS, LODE_CHECK_WRONG_WAY);
     (void)steps_to_trip(&bad, 100);
     TEST_ASSERT_EQUAL_FLOAT(-100.0f, bad.guard.fault.measured);
     TEST_ASSERT_EQUAL_FLOAT(0.0f, bad.guard.fault.limit);
@@ -657,21 +657,21 @@ static void test_the_longest_times_still_end(void) {
 }
 
 static void test_times_become_periods_and_looks(void) {
-    // In looks of the slow checks, 0.8 ms, two at least: a single sample passes.
+    // In checks of the slow checks, 0.8 ms, two at least: a single sample passes.
     const float times[] = {2.0e-4f, 4.0e-4f, 6.0e-4f, 1.0e-3f, 3.0e-3f, 15.0e-3f, 0.1f};
     const int periods[] = {2, 2, 3, 5, 15, 75, 500};
-    const int looks[] = {2, 2, 2, 2, 3, 18, 125};
+    const int checks[] = {2, 2, 2, 2, 3, 18, 125};
     for (int i = 0; i < COUNT_OF(times); i++) {
         lode_guard_config_t config = sound();
         config.bus_s = times[i];
         config.lock_s = times[i];
         const lode_guard_tuning_t tuning = tuned(&config);
         TEST_ASSERT_EQUAL_INT(periods[i], tuning.bus_periods);
-        TEST_ASSERT_EQUAL_INT(looks[i], tuning.lock_looks);
+        TEST_ASSERT_EQUAL_INT(checks[i], tuning.lock_checks);
         bench_t b = bench();
         b.tuning = tuning;
         b.condition.v_bus_V = 300.0f;
-        for (int look = 1; look < looks[i]; look++) {
+        for (int check = 1; check < checks[i]; check++) {
             TEST_ASSERT_TRUE(slow(&b));
         }
         TEST_ASSERT_FALSE(slow(&b));
@@ -694,15 +694,15 @@ static void test_the_fast_part_has_no_eye_on_what_is_slow(void) {
 }
 
 static void test_counters_come_down_when_all_is_sound_again(void) {
-    // One look short of a trip, then sound for as many: a new start from nothing.
+    // One check short of a trip, then sound for as many: a new start from nothing.
     bench_t b = bench();
     for (int again = 0; again < 5; again++) {
         b.condition.lock = 0.1f;
-        for (int n = 0; n < LOCK_LOOKS - 1; n++) {
+        for (int n = 0; n < LOCK_CHECKS - 1; n++) {
             TEST_ASSERT_TRUE(slow(&b));
         }
         b.condition.lock = 0.9f;
-        for (int n = 0; n < LOCK_LOOKS - 1; n++) {
+        for (int n = 0; n < LOCK_CHECKS - 1; n++) {
             TEST_ASSERT_TRUE(slow(&b));
         }
         TEST_ASSERT_EQUAL_UINT(0, b.guard.lock);
@@ -710,14 +710,14 @@ static void test_counters_come_down_when_all_is_sound_again(void) {
     (void)slow(&b);
     TEST_ASSERT_FALSE(b.guard.pending);
     b.condition.lock = 0.1f;
-    for (int n = 1; n < LOCK_LOOKS; n++) {
+    for (int n = 1; n < LOCK_CHECKS; n++) {
         TEST_ASSERT_TRUE(slow(&b));
     }
     TEST_ASSERT_FALSE(slow(&b));
 }
 
 static void test_debounces_do_not_mix(void) {
-    // Each of the six in turn: every counter rises once in six looks and falls five times.
+    // Each of the six in turn: every counter rises once in six checks and falls five times.
     bench_t b = bench();
     for (int n = 0; n < 6000; n++) {
         b.condition = bench().condition;

@@ -930,14 +930,14 @@ static void test_a_push_and_its_end(void) {
     while (rig.drive.estimator.by.hfi.step == (uint_least8_t)LODE_HFI_PUSH) {
         rig_run(&rig, RIG_TS_s);
         const lode_pll_t *pll = &rig.drive.estimator.pll;
-        const lode_dq_t asked_A = rig.drive.ref_A;
+        const lode_dq_t ref_A = rig.drive.ref_A;
         if (rig.drive.estimator.by.hfi.step == (uint_least8_t)LODE_HFI_PUSH) {
             // (H25): against the axis as much as takes the phases from their zeros, and half the flux at most.
-            CHECK_NEAR(1.0e-4, -along_A, asked_A.d);
+            CHECK_NEAR(1.0e-4, -along_A, ref_A.d);
             CHECK_NEAR(1.0e-6 + 1.0e-6 * fabs((double)pll->rise_rad_s),
                        (double)(RIG_TS_s * pll->f_rad_s2), pll->rise_rad_s);
-            most_A = lode_max(most_A, lode_ab_length((lode_ab_t){asked_A.d, asked_A.q}));
-            TEST_ASSERT_TRUE(!(asked_A.q > 0.0f));
+            most_A = lode_max(most_A, lode_ab_length((lode_ab_t){ref_A.d, ref_A.q}));
+            TEST_ASSERT_TRUE(!(ref_A.q > 0.0f));
         }
     }
     CHECK_NEAR(0.01, (double)rig.drive.tuning->start.current_last_A, most_A);

@@ -9,8 +9,8 @@ void setUp(void) {}
 void tearDown(void) {}
 
 #define DT_s 2.0e-3f
-// Long enough for a look: 50 ms that are waited for, 150 ms of samples.
-#define LOOK_STEPS 102
+// Long enough for a measurement: 50 ms that are waited for, 150 ms of samples.
+#define MEASURE_STEPS 102
 
 static lode_drive_config_t learning(void) {
     lode_drive_config_t config = rig_config();
@@ -40,11 +40,11 @@ static lode_telemetry_t seen(float Lq_off_H, float iq_A) {
     };
 }
 
-/// The same seen for as long as a look takes.
-static bool look(lode_learn_t *learn, const lode_learn_tuning_t *tuning,
-                 const lode_telemetry_t *now) {
+/// The same seen for as long as a measurement takes.
+static bool measure(lode_learn_t *learn, const lode_learn_tuning_t *tuning,
+                    const lode_telemetry_t *now) {
     bool worth = false;
-    for (int k = 0; k < LOOK_STEPS; k++) {
+    for (int k = 0; k < MEASURE_STEPS; k++) {
         worth = lode_learn_step(learn, tuning, now, DT_s);
     }
     return worth;
@@ -140,7 +140,7 @@ static void test_what_was_stored_is_taken_within_limits(void) {
 }
 
 // (H16), (H17): 0.7 of what the errors show, whatever the sign of the current and injection's share.
-static void test_a_look_corrects_Lq(void) {
+static void test_a_measurement_corrects_Lq(void) {
     static const float currents_A[] = {5.0f, -5.0f, 3.0f};
     for (int n = 0; n < COUNT_OF(currents_A); n++) {
         lode_learn_t learn;
@@ -149,14 +149,14 @@ static void test_a_look_corrects_Lq(void) {
         lode_telemetry_t now = seen(1.0e-3f, currents_A[n]);
         now.injected = n == 2 ? 0.5f : 1.0f;
         now.emf_error_rad *= now.injected;
-        TEST_ASSERT_TRUE(look(&learn, &tuning, &now));
+        TEST_ASSERT_TRUE(measure(&learn, &tuning, &now));
         CHECK_NEAR(1.0e-8, 9.8e-3 + 0.7e-3, learn.now.Lq_H);
         CHECK_NEAR(1.0e-5, 0.142, learn.now.psi_Wb);
     }
 }
 
 // What i_d makes of the active flux belongs to it.
-static void test_a_look_with_current_in_d(void) {
+static void test_a_measurement_with_current_in_d(void) {
     static const float currents_A[] = {-3.0f, 3.0f};
     for (int n = 0; n < COUNT_OF(currents_A); n++) {
         lode_learn_t learn;
@@ -167,71 +167,71 @@ static void test_a_look_with_current_in_d(void) {
         now.i_A.d = currents_A[n];
         now.e_V.beta = 200.0f * active_Wb;
         now.emf_error_rad = 1.0e-3f * 5.0f / active_Wb;
-        TEST_ASSERT_TRUE(look(&learn, &tuning, &now));
+        TEST_ASSERT_TRUE(measure(&learn, &tuning, &now));
         CHECK_NEAR(1.0e-8, 9.8e-3 + 0.7e-3, learn.now.Lq_H);
         CHECK_NEAR(1.0e-5, 0.142, learn.now.psi_Wb);
     }
 }
 
-/// The least speed, current and lock that a look takes are looked at already.
-static void test_a_look_at_the_least_of_all(void) {
+/// The least speed, current and lock that a measurement takes are looked at already.
+static void test_a_measurement_at_the_least_of_all(void) {
     lode_learn_t learn;
     lode_learn_tuning_t tuning;
     begin(&learn, &tuning);
     lode_telemetry_t now = seen(1.0e-3f, tuning.i_least_A);
     now.lock = LODE_LOCK_LOST;
     now.omega_rad_s = -tuning.omega_least;
-    TEST_ASSERT_TRUE(look(&learn, &tuning, &now));
+    TEST_ASSERT_TRUE(measure(&learn, &tuning, &now));
     CHECK_NEAR(1.0e-8, 9.8e-3 + 0.7e-3, learn.now.Lq_H);
     begin(&learn, &tuning);
     now = seen(0.0f, 5.0f);
     now.omega_rad_s = tuning.omega_psi;
     now.e_V.beta = 0.13f * tuning.omega_psi;
-    TEST_ASSERT_TRUE(look(&learn, &tuning, &now));
+    TEST_ASSERT_TRUE(measure(&learn, &tuning, &now));
     CHECK_NEAR(1.0e-5, 0.142 - 0.7 * 0.012, learn.now.psi_Wb);
 }
 
 /// Looks that agree raise the confidence by a quarter of what is missing each, one that does not lowers it.
-static void test_looks_converge_and_are_believed(void) {
+static void test_measurements_converge_and_are_believed(void) {
     lode_learn_t learn;
     lode_learn_tuning_t tuning;
     begin(&learn, &tuning);
     const lode_telemetry_t good = seen(0.0f, 5.0f);
     for (int n = 1; n <= 4; n++) {
-        (void)look(&learn, &tuning, &good);
+        (void)measure(&learn, &tuning, &good);
         CHECK_NEAR(1.0e-6, 1.0 - pow(0.75, n), learn.now.confidence);
     }
     begin(&learn, &tuning);
     const lode_telemetry_t half = seen(0.05f * 9.8e-3f, 5.0f);
-    (void)look(&learn, &tuning, &half);
+    (void)measure(&learn, &tuning, &half);
     CHECK_NEAR(1.0e-5, 0.25 * 0.5, learn.now.confidence);
     begin(&learn, &tuning);
     for (int n = 0; n < 12; n++) {
         const lode_telemetry_t now = seen(5.9e-3f - learn.now.Lq_H, 5.0f);
-        (void)look(&learn, &tuning, &now);
+        (void)measure(&learn, &tuning, &now);
     }
     CHECK_NEAR(1.0e-6, 5.9e-3, learn.now.Lq_H);
     TEST_ASSERT_TRUE(learn.now.confidence > 0.9f);
     const lode_telemetry_t other = seen(2.0e-3f, 5.0f);
     const float before = learn.now.confidence;
-    (void)look(&learn, &tuning, &other); // it does not fit any more
+    (void)measure(&learn, &tuning, &other); // it does not fit any more
     CHECK_NEAR(1.0e-6, 0.75 * (double)before, learn.now.confidence);
 }
 
 /// Value and confidence, beside what the adaptation has told and all else that the telemetry has.
-static void test_what_was_learned_is_told(void) {
+static void test_what_was_learned_is_reported(void) {
     lode_learn_t learn;
     lode_learn_tuning_t tuning;
     begin(&learn, &tuning);
     const lode_telemetry_t off = seen(1.0e-3f, 5.0f);
     for (int n = 0; n < 20; n++) {
-        (void)look(&learn, &tuning, &off);
+        (void)measure(&learn, &tuning, &off);
     }
     lode_telemetry_t now = off;
     now.motor.psi_Wb = (lode_adapted_t){0.13f, 0.6f};
     lode_telemetry_t wanted = now;
     wanted.motor.Lq_H = (lode_adapted_t){learn.now.Lq_H, learn.now.confidence};
-    lode_learn_tell(&learn, &now);
+    lode_learn_telemetry(&learn, &now);
     TEST_ASSERT_TRUE(learn.now.Lq_H > 9.8e-3f);
     TEST_ASSERT_EQUAL_MEMORY(&wanted, &now, sizeof now);
 }
@@ -243,7 +243,7 @@ static void test_limited(void) {
     for (int n = 0; n < 20; n++) {
         lode_telemetry_t now = seen(-4.0e-3f, 5.0f);
         now.e_V.beta = 100.0f;
-        (void)look(&learn, &tuning, &now);
+        (void)measure(&learn, &tuning, &now);
     }
     CHECK_NEAR(0.0, (double)tuning.Lq_H.min, learn.now.Lq_H);
     CHECK_NEAR(0.0, (double)tuning.psi_Wb.max, learn.now.psi_Wb);
@@ -262,11 +262,11 @@ static void test_frozen_where_not_both_tell_the_position(void) {
         bad[3].omega_rad_s = -60.0f;
         bad[4].i_A.q = 1.7f;
         bad[5].omega_rad_s = NAN;
-        for (int k = 0; k < LOOK_STEPS - 6; k++) {
+        for (int k = 0; k < MEASURE_STEPS - 6; k++) {
             TEST_ASSERT_FALSE(lode_learn_step(&learn, &tuning, &now, DT_s));
         }
         TEST_ASSERT_FALSE(lode_learn_step(&learn, &tuning, &bad[n], DT_s));
-        for (int k = 0; k < LOOK_STEPS - 6; k++) { // the look begins anew
+        for (int k = 0; k < MEASURE_STEPS - 6; k++) { // the measurement begins anew
             TEST_ASSERT_FALSE(lode_learn_step(&learn, &tuning, &now, DT_s));
         }
         CHECK_NEAR(0.0, (double)9.8e-3f, learn.now.Lq_H);
@@ -281,21 +281,21 @@ static void test_flux(void) {
     lode_telemetry_t now = seen(0.0f, 5.0f);
     now.i_A.d = 2.0f;
     now.e_V = (lode_ab_t){-200.0f * (0.13f - 2.0f * 6.3e-3f), 0.0f};
-    TEST_ASSERT_TRUE(look(&learn, &tuning, &now));
+    TEST_ASSERT_TRUE(measure(&learn, &tuning, &now));
     CHECK_NEAR(1.0e-5, 0.142 - 0.7 * 0.012, learn.now.psi_Wb);
-    TEST_ASSERT_TRUE(look(&learn, &tuning, &now)); // the next takes 0.7 of what is left
+    TEST_ASSERT_TRUE(measure(&learn, &tuning, &now)); // the next takes 0.7 of what is left
     CHECK_NEAR(1.0e-5, 0.13 + 0.09 * 0.012, learn.now.psi_Wb);
     begin(&learn, &tuning);
     now.omega_rad_s = 140.0f;
     now.e_V.alpha *= 0.7f;
-    TEST_ASSERT_FALSE(look(&learn, &tuning, &now));
+    TEST_ASSERT_FALSE(measure(&learn, &tuning, &now));
     CHECK_NEAR(0.0, (double)0.142f, learn.now.psi_Wb);
     // The observer's part of the amplitude is taken back.
     begin(&learn, &tuning);
     tuning.droop_s2 = 2.5e-7f;
     now = seen(0.0f, 5.0f);
     now.e_V.beta /= 1.01f;
-    (void)look(&learn, &tuning, &now);
+    (void)measure(&learn, &tuning, &now);
     CHECK_NEAR(1.0e-5, 0.142, learn.now.psi_Wb);
 }
 
@@ -309,7 +309,7 @@ static void test_flux_may_be_somebody_elses(void) {
     lode_learn_begin(&learn, &tuning, &config, &stored);
     lode_telemetry_t now = seen(1.0e-3f, 5.0f);
     now.e_V.beta *= 0.9f;
-    TEST_ASSERT_TRUE(look(&learn, &tuning, &now));
+    TEST_ASSERT_TRUE(measure(&learn, &tuning, &now));
     CHECK_NEAR(1.0e-8, 8.0e-3 + 0.7e-3, learn.now.Lq_H);
     CHECK_NEAR(0.0, (double)config.motor.psi_Wb, learn.now.psi_Wb);
 }
@@ -320,13 +320,13 @@ static void test_what_is_not_finite_teaches_nothing(void) {
     begin(&learn, &tuning);
     lode_telemetry_t now = seen(1.0e-3f, 5.0f);
     now.emf_error_rad = NAN;
-    TEST_ASSERT_FALSE(look(&learn, &tuning, &now));
+    TEST_ASSERT_FALSE(measure(&learn, &tuning, &now));
     now = seen(1.0e-3f, 5.0f);
     now.e_V.alpha = INFINITY;
-    TEST_ASSERT_FALSE(look(&learn, &tuning, &now));
+    TEST_ASSERT_FALSE(measure(&learn, &tuning, &now));
     CHECK_NEAR(0.0, (double)9.8e-3f, learn.now.Lq_H);
     now = seen(1.0e-3f, 5.0f);
-    TEST_ASSERT_TRUE(look(&learn, &tuning, &now));
+    TEST_ASSERT_TRUE(measure(&learn, &tuning, &now));
 }
 
 static void test_the_tuning_has_what_was_learned(void) {
@@ -465,11 +465,11 @@ int main(void) {
     RUN_TEST(test_limits);
     RUN_TEST(test_an_open_configuration_is_designed);
     RUN_TEST(test_what_was_stored_is_taken_within_limits);
-    RUN_TEST(test_a_look_corrects_Lq);
-    RUN_TEST(test_a_look_with_current_in_d);
-    RUN_TEST(test_a_look_at_the_least_of_all);
-    RUN_TEST(test_looks_converge_and_are_believed);
-    RUN_TEST(test_what_was_learned_is_told);
+    RUN_TEST(test_a_measurement_corrects_Lq);
+    RUN_TEST(test_a_measurement_with_current_in_d);
+    RUN_TEST(test_a_measurement_at_the_least_of_all);
+    RUN_TEST(test_measurements_converge_and_are_believed);
+    RUN_TEST(test_what_was_learned_is_reported);
     RUN_TEST(test_limited);
     RUN_TEST(test_frozen_where_not_both_tell_the_position);
     RUN_TEST(test_flux);

@@ -11,7 +11,7 @@ void setUp(void) {}
 void tearDown(void) {}
 
 #define TS_s 1.0e-4
-#define LOOK_s (4.0 * TS_s)
+#define INTERVAL_s (4.0 * TS_s)
 #define I_MAX_A 15.0
 #define XY_rad_s 1000.0
 #define PHASES 6
@@ -39,7 +39,7 @@ static scene_t scene(double i_A, double omega) {
     scene_t s = {.i_A = i_A,
                  .omega = omega,
                  .lacks = BOTH,
-                 .tuning = lode_open_phase_tune((float)I_MAX_A, (float)XY_rad_s, (float)LOOK_s),
+                 .tuning = lode_open_phase_tune((float)I_MAX_A, (float)XY_rad_s, (float)INTERVAL_s),
                  .random = random_seed(5)};
     lode_open_phase_reset(&s.watch);
     return s;
@@ -60,9 +60,9 @@ static cplx_t missing(const scene_t *s, cplx_t ab) {
         return sign * (1.0 - s->has) * ab;
     }
     const cplx_t along = cexp(I * axis(s->phase - 1));
-    const double asked = creal(ab * conj(along));
-    const bool lacks = (s->lacks & (asked > 0.0 ? POSITIVE : NEGATIVE)) != 0;
-    return lacks ? sign * (1.0 - s->has) * asked * along : 0.0;
+    const double ref = creal(ab * conj(along));
+    const bool lacks = (s->lacks & (ref > 0.0 ? POSITIVE : NEGATIVE)) != 0;
+    return lacks ? sign * (1.0 - s->has) * ref * along : 0.0;
 }
 
 static lode_ab_t vector(scene_t *s, cplx_t x) {
@@ -79,22 +79,22 @@ static lode_open_phase_t step(scene_t *s) {
         const lode_sets_t i_A = {{vector(s, ab - less), vector(s, ab + less)}};
         const lode_ab_t ab_A = lode_vsd_ab(i_A);
         if (lode_open_phase_doubts(&s->watch, &s->tuning, ab_A, lode_vsd_xy(i_A))) {
-            open = lode_open_phase_look(&s->watch, &s->tuning, set, i_A.set[set], ab_A,
-                                        (float)(LOOK_s * s->omega));
+            open = lode_open_phase_check(&s->watch, &s->tuning, set, i_A.set[set], ab_A,
+                                         (float)(INTERVAL_s * s->omega));
         }
-        s->angle = remainder(s->angle + 0.5 * LOOK_s * s->omega, 2.0 * CHECK_PI);
+        s->angle = remainder(s->angle + 0.5 * INTERVAL_s * s->omega, 2.0 * CHECK_PI);
     }
     return open;
 }
 
 /// Turns until something is found, at most `turns`; what is found in `open`.
 static double found_after(scene_t *s, double turns, lode_open_phase_t *open) {
-    const double look = LOOK_s * fabs(s->omega) / (2.0 * CHECK_PI);
+    const double turn = INTERVAL_s * fabs(s->omega) / (2.0 * CHECK_PI);
     *open = 0u;
-    for (int n = 1; n <= (int)(turns / look); n++) {
+    for (int n = 1; n <= (int)(turns / turn); n++) {
         *open = step(s);
         if (*open > 0u) {
-            return n * look;
+            return n * turn;
         }
     }
     return turns;
@@ -125,7 +125,7 @@ static void test_a_dead_switch_and_an_open_phase_are_found_within_1_2_turns(void
     }
 }
 
-static void test_a_set_that_is_open_is_told_as_one(void) {
+static void test_a_set_that_is_open_is_reported_as_one(void) {
     for (int set = 0; set < LODE_SETS; set++) {
         for (int at = 0; at < 36; at++) {
             scene_t s = scene(5.0, at % 2 == 0 ? 100.0 : -100.0);
@@ -143,7 +143,7 @@ static void test_a_set_that_is_open_is_told_as_one(void) {
 
 /// Faster than control of the xy plane takes out a current, one half-wave is not enough.
 static void test_at_high_speed_it_takes_four_time_constants(void) {
-    scene_t s = scene(5.0, 1500.0); // a third of a turn is three looks and a half
+    scene_t s = scene(5.0, 1500.0); // a third of a turn is three checks and a half
     lode_open_phase_t open;
     s.phase = 5;
     s.lacks = NEGATIVE;
@@ -226,7 +226,7 @@ static lode_open_phase_t after_a_pause(double i_A, double has, double angle, dou
 /// What has been lacking is kept until the phase has it, or nothing is asked for during a sixth of a turn.
 static void test_a_half_wave_that_comes_clears_its_phase(void) {
     const double quarter = CHECK_PI / 2.0;
-    TEST_ASSERT_EQUAL_INT(1, after_a_pause(5.0, 0.0, quarter, 2.0));  // nothing is asked of it
+    TEST_ASSERT_EQUAL_INT(1, after_a_pause(5.0, 0.0, quarter, 2.0));  // nothing is ref of it
     TEST_ASSERT_EQUAL_INT(1, after_a_pause(5.0, 0.0, CHECK_PI, 2.0)); // the other half-wave
     TEST_ASSERT_EQUAL_INT(1, after_a_pause(5.0, 0.4, 0.0, 2.0));      // neither has nor lacks
     TEST_ASSERT_EQUAL_INT(0, after_a_pause(5.0, 0.6, 0.0, 2.0));
@@ -235,74 +235,74 @@ static void test_a_half_wave_that_comes_clears_its_phase(void) {
     TEST_ASSERT_EQUAL_INT(0, after_a_pause(0.3, 1.0, 0.0, 2.0)); // a little is enough to clear it
 }
 
-/// Four looks are enough, and from 2 A on a phase is judged.
-static const lode_open_phase_tuning_t by_looks = {.least_A = 2.0f, .per_rad = 1.0f, .most = 0.25f};
+/// Four checks are enough, and from 2 A on a phase is judged.
+static const lode_open_phase_tuning_t by_checks = {.least_A = 2.0f, .per_rad = 1.0f, .most = 0.25f};
 
-/// The last answer of so many looks at a set that has `has` where `asked` is asked for.
-static lode_open_phase_t after_looks(lode_open_phase_watch_t *watch, int looks, int set,
-                                     lode_ab_t has, lode_ab_t asked) {
+/// The last answer of so many checks of a set that has `has` where `ref` is asked for.
+static lode_open_phase_t after_checks(lode_open_phase_watch_t *watch, int checks, int set,
+                                      lode_ab_t has, lode_ab_t ref) {
     lode_open_phase_t open = 0u;
-    for (int n = 0; n < looks; n++) {
-        open = lode_open_phase_look(watch, &by_looks, set, has, asked, 1.0f);
+    for (int n = 0; n < checks; n++) {
+        open = lode_open_phase_check(watch, &by_checks, set, has, ref, 1.0f);
     }
     return open;
 }
 
 /// Half of what is asked for is had, a quarter is lacking, a third of the vector and the least current are asked for.
 static void test_at_its_limits(void) {
-    const lode_ab_t asked = {4.0f, 0.0f};
+    const lode_ab_t ref = {4.0f, 0.0f};
     const lode_ab_t none = {0.0f, 0.0f};
     for (int set = 0; set < LODE_SETS; set++) {
         lode_open_phase_watch_t watch;
         lode_open_phase_reset(&watch);
-        TEST_ASSERT_EQUAL_INT(0, after_looks(&watch, 3, set, (lode_ab_t){1.0f, 0.0f}, asked));
+        TEST_ASSERT_EQUAL_INT(0, after_checks(&watch, 3, set, (lode_ab_t){1.0f, 0.0f}, ref));
         TEST_ASSERT_TRUE(watch.doubts);
-        TEST_ASSERT_EQUAL_INT(7 + set, after_looks(&watch, 1, set, (lode_ab_t){1.0f, 0.0f}, asked));
+        TEST_ASSERT_EQUAL_INT(7 + set, after_checks(&watch, 1, set, (lode_ab_t){1.0f, 0.0f}, ref));
         lode_open_phase_reset(&watch);
-        (void)after_looks(&watch, 1, set, none, asked);
+        (void)after_checks(&watch, 1, set, none, ref);
         TEST_ASSERT_TRUE(watch.doubts);
-        (void)after_looks(&watch, 1, 1 - set, asked, asked); // says nothing of this one
+        (void)after_checks(&watch, 1, 1 - set, ref, ref); // says nothing of this one
         TEST_ASSERT_TRUE(watch.doubts);
-        (void)after_looks(&watch, 1, set, (lode_ab_t){2.0f, 0.0f}, asked);
+        (void)after_checks(&watch, 1, set, (lode_ab_t){2.0f, 0.0f}, ref);
         TEST_ASSERT_FALSE(watch.doubts);
     }
     const lode_ab_t least = {2.0f, 0.0f};
     lode_open_phase_watch_t watch;
     lode_open_phase_reset(&watch);
-    TEST_ASSERT_EQUAL_INT(0, after_looks(&watch, 3, 0, (lode_ab_t){0.5f, 1.0f}, least));
-    TEST_ASSERT_EQUAL_INT(1, after_looks(&watch, 1, 0, (lode_ab_t){0.5f, 1.0f}, least));
+    TEST_ASSERT_EQUAL_INT(0, after_checks(&watch, 3, 0, (lode_ab_t){0.5f, 1.0f}, least));
+    TEST_ASSERT_EQUAL_INT(1, after_checks(&watch, 1, 0, (lode_ab_t){0.5f, 1.0f}, least));
     const lode_ab_t aside = {2.0f, 2.0f * sqrtf(8.0f)};
     TEST_ASSERT_EQUAL_FLOAT(6.0f, lode_ab_length(aside));
     lode_open_phase_reset(&watch);
-    (void)after_looks(&watch, 1, 0, (lode_ab_t){0.0f, aside.beta}, aside);
+    (void)after_checks(&watch, 1, 0, (lode_ab_t){0.0f, aside.beta}, aside);
     TEST_ASSERT_TRUE(watch.doubts); // of phase a alone
 }
 
 /// A vector between two axes that asks less than the least of each of them, whatever the set has.
 static void test_less_than_the_least_of_each_phase_tells_nothing(void) {
-    const lode_ab_t asked = {2.1f * 0.8660254f, 2.1f * 0.5f};
+    const lode_ab_t ref = {2.1f * 0.8660254f, 2.1f * 0.5f};
     lode_open_phase_watch_t watch;
     lode_open_phase_reset(&watch);
-    TEST_ASSERT_EQUAL_INT(0, after_looks(&watch, 20, 0, (lode_ab_t){0.0f, 0.0f}, asked));
+    TEST_ASSERT_EQUAL_INT(0, after_checks(&watch, 20, 0, (lode_ab_t){0.0f, 0.0f}, ref));
 }
 
 /// A set lacks for half of what is enough, before and after a pause with little current.
 static void test_what_was_lacking_is_forgotten_after_a_sixth_of_a_turn(void) {
-    const lode_ab_t asked = {4.0f, 0.0f};
+    const lode_ab_t ref = {4.0f, 0.0f};
     const lode_ab_t none = {0.0f, 0.0f};
     const lode_ab_t little = {1.0f, 0.0f};
-    for (int looks = 3; looks <= 4; looks++) {
+    for (int checks = 3; checks <= 4; checks++) {
         lode_open_phase_watch_t watch;
         lode_open_phase_reset(&watch);
-        (void)after_looks(&watch, 2, 0, none, asked);
-        (void)after_looks(&watch, looks, 0, none, little);
-        TEST_ASSERT_EQUAL_INT(looks < 4, watch.doubts);
-        // Forgotten is all but this look's, a quarter of enough.
-        TEST_ASSERT_EQUAL_UINT(looks < 4 ? 16384u : 4096u, watch.set[0].all);
-        TEST_ASSERT_EQUAL_UINT(looks < 4 ? 12288u : 0u, watch.set[0].waves.idle);
-        TEST_ASSERT_EQUAL_INT(looks < 4 ? 7 : 0, after_looks(&watch, 2, 0, none, asked));
+        (void)after_checks(&watch, 2, 0, none, ref);
+        (void)after_checks(&watch, checks, 0, none, little);
+        TEST_ASSERT_EQUAL_INT(checks < 4, watch.doubts);
+        // Forgotten is all but this check's, a quarter of enough.
+        TEST_ASSERT_EQUAL_UINT(checks < 4 ? 16384u : 4096u, watch.set[0].all);
+        TEST_ASSERT_EQUAL_UINT(checks < 4 ? 12288u : 0u, watch.set[0].waves.idle);
+        TEST_ASSERT_EQUAL_INT(checks < 4 ? 7 : 0, after_checks(&watch, 2, 0, none, ref));
         TEST_ASSERT_EQUAL_UINT(0u, watch.set[0].waves.idle);
-        (void)after_looks(&watch, 1, 0, asked, asked);
+        (void)after_checks(&watch, 1, 0, ref, ref);
         TEST_ASSERT_EQUAL_UINT(0u, watch.set[0].all);
     }
 }
@@ -310,21 +310,21 @@ static void test_what_was_lacking_is_forgotten_after_a_sixth_of_a_turn(void) {
 /// A sixth of a turn is 1.047 rad; what is lacking for the least turn that counts is looked at again.
 static void test_enough_is_a_sixth_of_a_turn(void) {
     const lode_open_phase_tuning_t tuning = lode_open_phase_tune(15.0f, 1000.0f, 0.01f);
-    const lode_ab_t asked = {0.5f, 0.0f}; // of phase a alone as much as the least
+    const lode_ab_t ref = {0.5f, 0.0f}; // of phase a alone as much as the least
     const lode_ab_t has = {0.0f, 0.3f};
     for (int sign = -1; sign <= 1; sign += 2) {
         lode_open_phase_watch_t watch;
         lode_open_phase_reset(&watch);
-        int looks = 0;
+        int checks = 0;
         lode_open_phase_t open = 0u;
-        while (open == 0u && looks < 1000) {
-            looks++;
-            open = lode_open_phase_look(&watch, &tuning, 0, has, asked, (float)sign * 0.01f);
+        while (open == 0u && checks < 1000) {
+            checks++;
+            open = lode_open_phase_check(&watch, &tuning, 0, has, ref, (float)sign * 0.01f);
         }
         TEST_ASSERT_EQUAL_INT(1, open);
-        CHECK_NEAR(2.0, 104.7, looks);
+        CHECK_NEAR(2.0, 104.7, checks);
         lode_open_phase_reset(&watch);
-        (void)lode_open_phase_look(&watch, &tuning, 0, has, asked, (float)sign * 7.0e-5f);
+        (void)lode_open_phase_check(&watch, &tuning, 0, has, ref, (float)sign * 7.0e-5f);
         TEST_ASSERT_TRUE(watch.doubts);
     }
 }
@@ -333,15 +333,15 @@ static void test_enough_is_a_sixth_of_a_turn(void) {
 static void test_doubts_at_their_limits(void) {
     lode_open_phase_watch_t watch;
     lode_open_phase_reset(&watch);
-    TEST_ASSERT_TRUE(lode_open_phase_doubts(&watch, &by_looks, (lode_ab_t){0.0f, 2.0f},
+    TEST_ASSERT_TRUE(lode_open_phase_doubts(&watch, &by_checks, (lode_ab_t){0.0f, 2.0f},
                                             (lode_ab_t){0.5f, 0.0f}));
-    TEST_ASSERT_FALSE(lode_open_phase_doubts(&watch, &by_looks, (lode_ab_t){0.0f, 2.0f},
+    TEST_ASSERT_FALSE(lode_open_phase_doubts(&watch, &by_checks, (lode_ab_t){0.0f, 2.0f},
                                              (lode_ab_t){0.49f, 0.0f}));
-    TEST_ASSERT_FALSE(lode_open_phase_doubts(&watch, &by_looks, (lode_ab_t){0.0f, 1.99f},
+    TEST_ASSERT_FALSE(lode_open_phase_doubts(&watch, &by_checks, (lode_ab_t){0.0f, 1.99f},
                                              (lode_ab_t){5.0f, 0.0f}));
 }
 
-/// Where there is nothing to doubt, a look would not find a half-wave that is lacking, whatever the currents.
+/// Where there is nothing to doubt, a check would not find a half-wave that is lacking, whatever the currents.
 static void test_without_doubt_nothing_is_lacking(void) {
     random_t random = random_seed(3);
     scene_t s = scene(1.0, 100.0);
@@ -359,7 +359,7 @@ static void test_without_doubt_nothing_is_lacking(void) {
         }
         lode_open_phase_watch_t seen = s.watch;
         for (int set = 0; set < LODE_SETS; set++) {
-            (void)lode_open_phase_look(&seen, &s.tuning, set, i_A.set[set], ab_A, 0.1f);
+            (void)lode_open_phase_check(&seen, &s.tuning, set, i_A.set[set], ab_A, 0.1f);
         }
         TEST_ASSERT_FALSE(seen.doubts);
     }
@@ -376,8 +376,9 @@ static void test_whatever_the_currents_the_answer_is_a_phase(void) {
         for (int k = 0; k < 5; k++) {
             x[k] = wild[random_bits(&random) % (uint32_t)COUNT_OF(wild)];
         }
-        CHECK_AT_MOST(8.0, lode_open_phase_look(&s.watch, &s.tuning, n % 2, (lode_ab_t){x[0], x[1]},
-                                                (lode_ab_t){x[2], x[3]}, x[4]));
+        CHECK_AT_MOST(8.0,
+                      lode_open_phase_check(&s.watch, &s.tuning, n % 2, (lode_ab_t){x[0], x[1]},
+                                            (lode_ab_t){x[2], x[3]}, x[4]));
     }
 }
 
@@ -387,7 +388,7 @@ static void test_tuning(void) {
     CHECK_CLOSE(1.0e-6, 3.0 / CHECK_PI, t.per_rad);
     CHECK_CLOSE(1.0e-6, 0.4 / 4.9, t.most);
     t = lode_open_phase_tune(10.0f, 5000.0f, 4.0e-4f);
-    CHECK_CLOSE(1.0e-6, 1.0 / 3.0, t.most); // three looks at least
+    CHECK_CLOSE(1.0e-6, 1.0 / 3.0, t.most); // three checks at least
 }
 
 // ---- Three phases -------------------------------------------------------------------------------
@@ -427,48 +428,48 @@ static float noisy(three_t *s, double x) {
 #define KP_V_A 10.0f
 
 /// What current control adds for what is missing makes no current.
-static lode_half_waves_seen_t seen_of(lode_ab_t asked_A, lode_ab_t i_A, double turn_rad) {
+static lode_half_waves_seen_t seen_of(lode_ab_t ref_A, lode_ab_t i_A, double turn_rad) {
     return (lode_half_waves_seen_t){
-        .asked_A = asked_A,
-        .before_A = asked_A,
+        .ref_A = ref_A,
+        .before_A = ref_A,
         .i_A = i_A,
-        .beyond_V = {KP_V_A * (asked_A.alpha - i_A.alpha), KP_V_A * (asked_A.beta - i_A.beta)},
+        .beyond_V = {KP_V_A * (ref_A.alpha - i_A.alpha), KP_V_A * (ref_A.beta - i_A.beta)},
         .kp_V_A = KP_V_A,
         .turn_rad = (float)turn_rad};
 }
 
-static lode_open_phase_t look_at_three(three_t *s) {
-    const cplx_t asked = s->i_A * cexp(I * s->angle);
-    cplx_t flows = s->times * asked;
+static lode_open_phase_t check_at_three(three_t *s) {
+    const cplx_t ref = s->i_A * cexp(I * s->angle);
+    cplx_t flows = s->times * ref;
     if (s->phase > 0) {
         const cplx_t along = cexp(I * axis(s->phase - 1));
         const double has = creal(flows * conj(along));
         flows -= (s->lacks & (has > 0.0 ? POSITIVE : NEGATIVE)) != 0 ? has * along : 0.0;
     }
-    const lode_ab_t asked_A = {(float)creal(asked), (float)cimag(asked)};
+    const lode_ab_t ref_A = {(float)creal(ref), (float)cimag(ref)};
     const lode_ab_t i_A = {noisy(s, creal(flows)), noisy(s, cimag(flows))};
-    const lode_dq_t ref_A = {asked_A.alpha, asked_A.beta}; // any axes will do
-    const lode_dq_t missed_A = {asked_A.alpha - i_A.alpha, asked_A.beta - i_A.beta};
+    const lode_dq_t any_A = {ref_A.alpha, ref_A.beta}; // any axes will do
+    const lode_dq_t error_A = {ref_A.alpha - i_A.alpha, ref_A.beta - i_A.beta};
     s->angle = remainder(s->angle + ROUND_s * s->omega, 2.0 * CHECK_PI);
-    lode_half_waves_seen_t seen = seen_of(asked_A, i_A, ROUND_s * s->omega);
+    lode_half_waves_seen_t seen = seen_of(ref_A, i_A, ROUND_s * s->omega);
     seen.beyond_V = s->answers ? (lode_ab_t){0.0f, 0.0f} : seen.beyond_V;
-    if (!lode_half_waves_doubt(&s->waves, &s->tuning, ref_A, missed_A)) {
+    if (!lode_half_waves_doubt(&s->waves, &s->tuning, any_A, error_A)) {
         lode_half_waves_t waves = s->waves;
-        TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &s->tuning, &seen));
+        TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_check(&waves, &s->tuning, &seen));
         TEST_ASSERT_FALSE(waves.doubts);
         return 0u;
     }
-    return lode_half_waves_look(&s->waves, &s->tuning, &seen);
+    return lode_half_waves_check(&s->waves, &s->tuning, &seen);
 }
 
 /// Turns until a phase is found, at most `turns`.
 static double three_found_after(three_t *s, double turns, lode_open_phase_t *open) {
-    const double look = ROUND_s * fabs(s->omega) / (2.0 * CHECK_PI);
+    const double turn = ROUND_s * fabs(s->omega) / (2.0 * CHECK_PI);
     *open = 0u;
-    for (int n = 1; n <= (int)(turns / look); n++) {
-        *open = look_at_three(s);
+    for (int n = 1; n <= (int)(turns / turn); n++) {
+        *open = check_at_three(s);
         if (*open > 0u) {
-            return n * look;
+            return n * turn;
         }
     }
     return turns;
@@ -498,7 +499,7 @@ static void test_of_three_phases_one_is_found_within_1_2_turns(void) {
     }
 }
 
-/// At any speed: looks may lie as far apart as they like, as reference and current are those of the same instant.
+/// At any speed: checks may lie as far apart as they like, as reference and current are those of the same instant.
 static void test_of_three_phases_one_is_found_at_any_speed(void) {
     for (int n = 1; n < 40; n++) {
         three_t s = three(5.0, 0.17 * n / ROUND_s);
@@ -534,20 +535,20 @@ static void test_a_half_wave_that_is_seen_clears_its_phase(void) {
     s.phase = 1;
     s.angle = -70.0 * CHECK_DEG;
     while (s.angle < -20.0 * CHECK_DEG) {
-        TEST_ASSERT_EQUAL_INT(0, look_at_three(&s));
+        TEST_ASSERT_EQUAL_INT(0, check_at_three(&s));
     }
     TEST_ASSERT_GREATER_THAN_UINT(0u, s.waves.lacks[0]);
     TEST_ASSERT_TRUE(s.waves.doubts);
     three_t sound = s;
     sound.phase = 0;
-    TEST_ASSERT_EQUAL_INT(0, look_at_three(&sound));
+    TEST_ASSERT_EQUAL_INT(0, check_at_three(&sound));
     TEST_ASSERT_EQUAL_UINT(0u, sound.waves.lacks[0]);
     TEST_ASSERT_FALSE(sound.waves.doubts);
     sound = s;
     sound.phase = 0;
     sound.i_A = 0.0; // nothing is asked for, for a sixth of a turn
     for (int n = 0; n < 30; n++) {
-        (void)look_at_three(&sound);
+        (void)check_at_three(&sound);
     }
     TEST_ASSERT_FALSE(sound.waves.doubts);
 }
@@ -558,31 +559,31 @@ static void test_one_half_wave_of_one_phase_lacks_enough(void) {
     const lode_half_waves_seen_t none =
         seen_of((lode_ab_t){0.0f, 0.0f}, (lode_ab_t){0.0f, 0.0f}, 0.0);
     lode_half_waves_t waves = {.lacks = {16383u, 0u, 0u, 16383u}};
-    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &t, &none));
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_check(&waves, &t, &none));
     waves = (lode_half_waves_t){.lacks = {0u, 16384u}};
-    TEST_ASSERT_EQUAL_UINT(2u, lode_half_waves_look(&waves, &t, &none));
+    TEST_ASSERT_EQUAL_UINT(2u, lode_half_waves_check(&waves, &t, &none));
     waves = (lode_half_waves_t){.lacks = {0u, 0u, 0u, 0u, 0u, 16384u}};
-    TEST_ASSERT_EQUAL_UINT(3u, lode_half_waves_look(&waves, &t, &none));
+    TEST_ASSERT_EQUAL_UINT(3u, lode_half_waves_check(&waves, &t, &none));
     waves = (lode_half_waves_t){.lacks = {8191u, 16384u}};
-    TEST_ASSERT_EQUAL_UINT(2u, lode_half_waves_look(&waves, &t, &none));
+    TEST_ASSERT_EQUAL_UINT(2u, lode_half_waves_check(&waves, &t, &none));
     waves = (lode_half_waves_t){.lacks = {8192u, 16384u}};
-    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &t, &none));
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_check(&waves, &t, &none));
     waves = (lode_half_waves_t){.lacks = {4096u, 16384u, 0u, 4096u}};
-    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &t, &none));
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_check(&waves, &t, &none));
     waves = (lode_half_waves_t){.lacks = {16384u, 0u, 16384u}}; // two phases as much
-    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &t, &none));
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_check(&waves, &t, &none));
     TEST_ASSERT_EQUAL_UINT(1u, waves.doubts);
 }
 
-/// One look at phase 1 that lacks its positive half-wave, or not: `asked_A` along its axis, `has_A` of it, `across_A` of the
+/// One check of phase 1 that lacks its positive half-wave, or not: `ref_A` along its axis, `has_A` of it, `across_A` of the
 /// other two.
-static bool lacks_now(float asked_A, float has_A, float across_A) {
+static bool lacks_now(float ref_A, float has_A, float across_A) {
     const lode_open_phase_tuning_t t = three(1.0, 1.0).tuning;
     lode_half_waves_t waves = {.lacks = {0u}};
     lode_half_waves_seen_t seen =
-        seen_of((lode_ab_t){asked_A, 0.0f}, (lode_ab_t){has_A, across_A}, 0.1);
+        seen_of((lode_ab_t){ref_A, 0.0f}, (lode_ab_t){has_A, across_A}, 0.1);
     seen.beyond_V.beta = 0.0f; // the other two carry what flows across
-    (void)lode_half_waves_look(&waves, &t, &seen);
+    (void)lode_half_waves_check(&waves, &t, &seen);
     return waves.lacks[0] > 0u;
 }
 
@@ -591,7 +592,7 @@ static bool clears_now(float has_A, float across_A) {
     lode_half_waves_t waves = {.lacks = {100u}};
     const lode_half_waves_seen_t seen =
         seen_of((lode_ab_t){0.0f, 9.0f}, (lode_ab_t){has_A, across_A}, 0.1);
-    (void)lode_half_waves_look(&waves, &t, &seen);
+    (void)lode_half_waves_check(&waves, &t, &seen);
     return waves.lacks[0] == 0u;
 }
 
@@ -616,29 +617,28 @@ static void test_three_phases_at_their_limits(void) {
 /// may be, and a quarter of the voltage.
 static void test_three_phases_exactly_at_their_limits(void) {
     const lode_ab_t least = {2.0f, 0.0f};
-    const lode_ab_t asked = {4.0f, 0.0f};
-    lode_half_waves_seen_t seen[] = {seen_of(least, (lode_ab_t){0.0f, 2.0f}, 1.0),
-                                     seen_of(asked, (lode_ab_t){1.0f, 9.0f}, 0.7),
-                                     seen_of(asked, (lode_ab_t){-2.0f, 0.0f}, 0.7),
-                                     seen_of(asked, (lode_ab_t){0.0f, 9.0f}, 0.7)};
+    const lode_ab_t ref = {4.0f, 0.0f};
+    lode_half_waves_seen_t seen[] = {
+        seen_of(least, (lode_ab_t){0.0f, 2.0f}, 1.0), seen_of(ref, (lode_ab_t){1.0f, 9.0f}, 0.7),
+        seen_of(ref, (lode_ab_t){-2.0f, 0.0f}, 0.7), seen_of(ref, (lode_ab_t){0.0f, 9.0f}, 0.7)};
     seen[3].beyond_V = (lode_ab_t){0.25f * 4.0f * KP_V_A, 0.0f};
     for (int n = 0; n < COUNT_OF(seen); n++) {
         lode_half_waves_t waves = {.lacks = {0u}, .idle = 16383u};
         seen[n].beyond_V.beta = 0.0f; // the other two carry what flows across
-        (void)lode_half_waves_look(&waves, &by_looks, &seen[n]);
+        (void)lode_half_waves_check(&waves, &by_checks, &seen[n]);
         TEST_ASSERT_GREATER_THAN_UINT(0u, waves.lacks[0]);
         TEST_ASSERT_EQUAL_UINT(0u, waves.idle);
     }
     lode_half_waves_t waves = {.lacks = {100u}, .idle = 16383u};
     const lode_half_waves_seen_t has = seen_of(least, (lode_ab_t){1.0f, 3.0f}, 0.1);
-    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_look(&waves, &by_looks, &has));
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_check(&waves, &by_checks, &has));
     TEST_ASSERT_EQUAL_UINT(0u, waves.lacks[0]); // half of the least current is had
     waves = (lode_half_waves_t){.lacks = {0u, 0u, 0u, 0u, 100u}, .idle = 16383u};
-    (void)lode_half_waves_look(&waves, &by_looks, &has);
+    (void)lode_half_waves_check(&waves, &by_checks, &has);
     TEST_ASSERT_EQUAL_UINT(1u, waves.doubts); // nothing is forgotten, as enough is asked for
     waves.idle = 16383u;
     const lode_half_waves_seen_t little = seen_of((lode_ab_t){1.99f, 0.0f}, least, 0.1);
-    (void)lode_half_waves_look(&waves, &by_looks, &little);
+    (void)lode_half_waves_check(&waves, &by_checks, &little);
     TEST_ASSERT_EQUAL_UINT(0u, waves.doubts);
     TEST_ASSERT_EQUAL_UINT(0u, waves.idle);
 }
@@ -646,14 +646,14 @@ static void test_three_phases_exactly_at_their_limits(void) {
 /// A quarter of what is asked for is missed, and the least current asked for.
 static void test_doubts_of_three_phases_at_their_limits(void) {
     static const lode_half_waves_t waves = {.lacks = {0u}};
-    const lode_dq_t asked = {0.0f, 2.0f};
-    TEST_ASSERT_TRUE(lode_half_waves_doubt(&waves, &by_looks, asked, (lode_dq_t){0.5f, 0.0f}));
-    TEST_ASSERT_FALSE(lode_half_waves_doubt(&waves, &by_looks, asked, (lode_dq_t){0.49f, 0.0f}));
-    TEST_ASSERT_FALSE(lode_half_waves_doubt(&waves, &by_looks, (lode_dq_t){0.0f, 1.99f},
+    const lode_dq_t ref = {0.0f, 2.0f};
+    TEST_ASSERT_TRUE(lode_half_waves_doubt(&waves, &by_checks, ref, (lode_dq_t){0.5f, 0.0f}));
+    TEST_ASSERT_FALSE(lode_half_waves_doubt(&waves, &by_checks, ref, (lode_dq_t){0.49f, 0.0f}));
+    TEST_ASSERT_FALSE(lode_half_waves_doubt(&waves, &by_checks, (lode_dq_t){0.0f, 1.99f},
                                             (lode_dq_t){5.0f, 0.0f}));
 }
 
-/// Either half-wave of phase 1, and whether the look counts for it: `before_A` asked for a round ago, `beyond_V` in its axis,
+/// Either half-wave of phase 1, and whether the check counts for it: `before_A` asked for a round ago, `beyond_V` in its axis,
 /// `across_V` at right angles to it.
 static bool counts_across(float way, float before_A, float beyond_V, float across_V,
                           float turn_rad) {
@@ -663,7 +663,7 @@ static bool counts_across(float way, float before_A, float beyond_V, float acros
         seen_of((lode_ab_t){way * 4.0f, 0.0f}, (lode_ab_t){way * 0.5f, 5.0f}, (double)turn_rad);
     seen.before_A = (lode_ab_t){way * before_A, 0.0f};
     seen.beyond_V = (lode_ab_t){way * beyond_V, across_V};
-    (void)lode_half_waves_look(&waves, &t, &seen);
+    (void)lode_half_waves_check(&waves, &t, &seen);
     return waves.lacks[way > 0.0f ? 0 : PHASES / 2] > 0u;
 }
 
@@ -710,15 +710,15 @@ static void test_an_emf_across_a_phase_is_not_of_a_phase_that_lacks(void) {
         for (double off = -46.0; off < 47.0; off += 46.0) {
             for (int k = 0; k < 2; k++) {
                 const double off_rad = (off + (off > 0.0 ? -2.0 : 2.0) * k) * CHECK_PI / 180.0;
-                const cplx_t asked = 4.0 * cexp(I * axis(n));
+                const cplx_t ref = 4.0 * cexp(I * axis(n));
                 const cplx_t flows = 3.0 * I * cexp(I * axis(n));
                 const cplx_t beyond = 80.0 * cexp(I * (axis(n) + off_rad));
                 lode_half_waves_t waves = {.lacks = {0u}};
                 lode_half_waves_seen_t seen =
-                    seen_of((lode_ab_t){(float)creal(asked), (float)cimag(asked)},
+                    seen_of((lode_ab_t){(float)creal(ref), (float)cimag(ref)},
                             (lode_ab_t){(float)creal(flows), (float)cimag(flows)}, 0.1);
                 seen.beyond_V = (lode_ab_t){(float)creal(beyond), (float)cimag(beyond)};
-                (void)lode_half_waves_look(&waves, &t, &seen);
+                (void)lode_half_waves_check(&waves, &t, &seen);
                 TEST_ASSERT_EQUAL(fabs(off_rad) < 0.25 * CHECK_PI, waves.lacks[n] > 0u);
             }
         }
@@ -731,17 +731,17 @@ static void test_what_is_not_had_again_goes_on_to_count(void) {
     const lode_half_waves_seen_t across =
         seen_of((lode_ab_t){0.0f, 5.0f}, (lode_ab_t){0.0f, 5.0f}, 0.1);
     lode_half_waves_t waves = {.lacks = {0u}};
-    (void)lode_half_waves_look(&waves, &t, &across);
+    (void)lode_half_waves_check(&waves, &t, &across);
     TEST_ASSERT_FALSE(waves.doubts);
     for (uint_least16_t lacks = 1u; lacks <= 100u; lacks = (uint_least16_t)(lacks + 99u)) {
         waves.lacks[0] = lacks;
-        (void)lode_half_waves_look(&waves, &t, &across);
+        (void)lode_half_waves_check(&waves, &t, &across);
         CHECK_NEAR(1.0, lacks + 0.1 * 3.0 / CHECK_PI / 12.0 * 16384.0, waves.lacks[0]);
     }
     const lode_half_waves_seen_t little =
         seen_of((lode_ab_t){0.0f, 5.0f}, (lode_ab_t){0.0f, 0.999f * t.least_A}, 0.1);
     const uint_least16_t before = waves.lacks[0];
-    (void)lode_half_waves_look(&waves, &t, &little);
+    (void)lode_half_waves_check(&waves, &t, &little);
     TEST_ASSERT_EQUAL_UINT(before, waves.lacks[0]);
 }
 
@@ -756,7 +756,7 @@ static void test_whatever_three_currents_are_the_answer_is_a_phase(void) {
         }
         const lode_half_waves_seen_t seen = {{x[0], x[1]}, {x[2], x[3]}, {x[4], x[5]},
                                              {x[6], x[7]}, x[8],         x[9]};
-        CHECK_AT_MOST(3.0, lode_half_waves_look(&s.waves, &s.tuning, &seen));
+        CHECK_AT_MOST(3.0, lode_half_waves_check(&s.waves, &s.tuning, &seen));
     }
 }
 
@@ -772,7 +772,7 @@ static void test_tuning_of_three_phases(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_a_dead_switch_and_an_open_phase_are_found_within_1_2_turns);
-    RUN_TEST(test_a_set_that_is_open_is_told_as_one);
+    RUN_TEST(test_a_set_that_is_open_is_reported_as_one);
     RUN_TEST(test_at_high_speed_it_takes_four_time_constants);
     RUN_TEST(test_sound_phases_are_left_alone);
     RUN_TEST(test_a_quarter_is_not_lacking);

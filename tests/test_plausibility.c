@@ -11,7 +11,7 @@ void tearDown(void) {}
 #define I_MAX_A 12.0f
 #define GAIN_A 0.0125 // per count
 #define LOOK_s (4.0 * (double)PAPER_TS_s)
-#define SUM_LOOKS 18u // 15 ms
+#define SUM_CHECKS 18u // 15 ms
 
 static lode_guard_config_t sound_config(void) {
     return (lode_guard_config_t){.lock_s = 15.0e-3f, .i_sum_A = 1.8f, .plausibility = LODE_ON};
@@ -27,7 +27,7 @@ typedef struct {
     lode_plausibility_tuning_t tuning;
     lode_plausibility_t state;
     double i_A; ///< amplitude
-    double asked_A;
+    double ref_A;
     double omega; ///< electrical
     double theta;
     double offset_A; ///< of phase a
@@ -37,7 +37,7 @@ typedef struct {
 
 static bench_t bench(double i_A, double omega) {
     const lode_guard_config_t config = sound_config();
-    bench_t self = {.i_A = i_A, .asked_A = i_A, .omega = omega};
+    bench_t self = {.i_A = i_A, .ref_A = i_A, .omega = omega};
     TEST_ASSERT_EQUAL_INT(LODE_OK, tune(&self.tuning, &config));
     lode_plausibility_reset(&self.state);
     return self;
@@ -45,15 +45,15 @@ static bench_t bench(double i_A, double omega) {
 
 #define A_PER_COUNT ((float)(GAIN_A / LODE_COUNT_FRACTION))
 
-/// As the drive does it, but each look in full.
+/// As the drive does it, but each check in full.
 static lode_finding_t judge_held(lode_plausibility_t *state,
                                  const lode_plausibility_tuning_t *tuning,
                                  const int32_t i[LODE_PHASES], float i_A2, float turn_rad,
                                  lode_hold_t hold) {
-    const uint32_t again = lode_plausibility_look(state, i);
+    const uint32_t again = lode_plausibility_check(state, i);
     const uint32_t doubt =
         lode_plausibility_doubt(state, tuning, again, i_A2, turn_rad, A_PER_COUNT);
-    return lode_plausibility_find(state, tuning, doubt, SUM_LOOKS, hold, A_PER_COUNT);
+    return lode_plausibility_find(state, tuning, doubt, SUM_CHECKS, hold, A_PER_COUNT);
 }
 
 static lode_finding_t judge(lode_plausibility_t *state, const lode_plausibility_tuning_t *tuning,
@@ -70,17 +70,17 @@ static lode_finding_t judge_shortly(lode_plausibility_t *state,
         lode_plausibility_note(state, i, 0u);
         return none;
     }
-    const uint32_t again = lode_plausibility_look(state, i);
+    const uint32_t again = lode_plausibility_check(state, i);
     if (lode_plausibility_is_chance(state, tuning, again, i_A2)) {
         return none;
     }
     const uint32_t doubt =
         lode_plausibility_doubt(state, tuning, again, i_A2, turn_rad, A_PER_COUNT);
-    return lode_plausibility_find(state, tuning, doubt, SUM_LOOKS, (lode_hold_t){10.0f, 0.0f},
+    return lode_plausibility_find(state, tuning, doubt, SUM_CHECKS, (lode_hold_t){10.0f, 0.0f},
                                   A_PER_COUNT);
 }
 
-static lode_finding_t look(bench_t *self) {
+static lode_finding_t check(bench_t *self) {
     lode_sample_t sample = {.omitted = LODE_PHASES};
     for (int n = 0; n < 3; n++) {
         const double i_A = self->i_A * cos(self->theta - 2.0 * CHECK_PI / 3.0 * n) +
@@ -92,13 +92,13 @@ static lode_finding_t look(bench_t *self) {
     }
     const float turn_rad = (float)(LOOK_s * self->omega);
     self->theta = remainder(self->theta + (double)turn_rad, 2.0 * CHECK_PI);
-    return judge(&self->state, &self->tuning, sample.i, (float)(self->asked_A * self->asked_A),
+    return judge(&self->state, &self->tuning, sample.i, (float)(self->ref_A * self->ref_A),
                  turn_rad);
 }
 
-static void expect_none(bench_t *self, int looks) {
-    for (int n = 0; n < looks; n++) {
-        const lode_finding_t found = look(self);
+static void expect_none(bench_t *self, int checks) {
+    for (int n = 0; n < checks; n++) {
+        const lode_finding_t found = check(self);
         TEST_ASSERT_EQUAL_STRING("LODE_CHECK_NONE", lode_check_name(found.check));
         TEST_ASSERT_TRUE(found.measured == 0.0f && found.limit == 0.0f);
     }
@@ -108,7 +108,7 @@ static void expect_none(bench_t *self, int looks) {
 static double until_found(bench_t *self, lode_finding_t *found) {
     int n = 0;
     do {
-        *found = look(self);
+        *found = check(self);
         n++;
     } while (found->check == LODE_CHECK_NONE && n < (int)(1.0 / LOOK_s));
     return n * LOOK_s;
@@ -116,7 +116,7 @@ static double until_found(bench_t *self, lode_finding_t *found) {
 
 /// No noise at all, whole counts, any speed and amplitude: the worst for a check that looks for counts that
 /// stay.
-static void test_sound_converters_are_never_stuck(void) {
+static void test_sound_adc_channels_are_never_stuck(void) {
     for (double omega = 1.0; omega < 2500.0; omega *= 1.37) {
         for (double i_A = 0.05; i_A < 18.0; i_A *= 1.9) {
             bench_t self = bench(i_A, omega);
@@ -126,7 +126,7 @@ static void test_sound_converters_are_never_stuck(void) {
     }
 }
 
-static void test_a_stuck_converter_is_found_within_5_ms_from_a_fifth_of_the_speed(void) {
+static void test_a_stuck_adc_channel_is_found_within_5_ms_from_a_fifth_of_the_speed(void) {
     for (int stuck = 1; stuck <= 4; stuck++) {
         for (double share = 0.2; share < 1.3; share += 0.1) {
             bench_t self = bench(3.6, share * PAPER_OMEGA_RATED);
@@ -143,7 +143,7 @@ static void test_a_stuck_converter_is_found_within_5_ms_from_a_fifth_of_the_spee
 }
 
 /// One that is stuck at no current at all is found like any other.
-static void test_a_converter_may_be_stuck_at_zero(void) {
+static void test_an_adc_channel_may_be_stuck_at_zero(void) {
     for (int stuck = 1; stuck <= 3; stuck++) {
         bench_t self = bench(3.6, 0.5 * PAPER_OMEGA_RATED);
         lode_finding_t found;
@@ -209,7 +209,7 @@ static void test_three_that_keep_still_beside_dead_time(void) {
         const int32_t a = 250 * LODE_COUNT_FRACTION;
         const int32_t i[LODE_PHASES] = {a, b, -a - b};
         lode_finding_t found = {.check = LODE_CHECK_NONE};
-        double turned = -0.04; // since the first look
+        double turned = -0.04; // since the first check
         for (; turned < 2.0 && found.check == LODE_CHECK_NONE; turned += 0.02) {
             found = judge(&self.state, &self.tuning, i, (float)(3.6 * 3.6), 0.02f);
         }
@@ -244,10 +244,10 @@ static void test_three_that_keep_still_may_while_the_current_changes(void) {
         const int32_t i[LODE_PHASES] = {300 * LODE_COUNT_FRACTION, -100 * LODE_COUNT_FRACTION,
                                         -200 * LODE_COUNT_FRACTION};
         lode_finding_t found = {.check = LODE_CHECK_NONE};
-        for (int look = 0; look < 3; look++) {
+        for (int check = 0; check < 3; check++) {
             TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found.check);
             const float before_A2 = n == 3 ? 11.0f : 12.0f; // hardly a change
-            const float i_A2 = look == 2 ? 12.0f : (changes ? 4.0f : before_A2);
+            const float i_A2 = check == 2 ? 12.0f : (changes ? 4.0f : before_A2);
             found = judge(&self.state, &self.tuning, i, i_A2, turn_rad);
         }
         TEST_ASSERT_EQUAL_INT(n == 1 ? LODE_CHECK_NONE : LODE_CHECK_CURRENT_STUCK, found.check);
@@ -338,19 +338,19 @@ static void test_without_current_nothing_is_stuck(void) {
     expect_none(&self, 20);
     self.stuck = 4;
     expect_none(&self, 2000);
-    self.asked_A = 0.61; // 0.05 of i_max
+    self.ref_A = 0.61; // 0.05 of i_max
     lode_finding_t found;
     // What was kept before says nothing: a sound count moves only after the current has been asked for.
     CHECK_AT_MOST(5.0e-3, until_found(&self, &found));
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found.check);
 }
 
-/// A motor that idles at a high speed and is told to accelerate: the counts, all alike until then, move a look
+/// A motor that idles at a high speed and is told to accelerate: the counts, all alike until then, move a check
 /// after the current has been asked for.
 static void test_counts_that_were_kept_without_current_may_still_be_good(void) {
     bench_t self = bench(0.0, 1100.0);
     expect_none(&self, 100);
-    self.asked_A = I_MAX_A;
+    self.ref_A = I_MAX_A;
     expect_none(&self, 1);
     self.i_A = I_MAX_A;
     expect_none(&self, 100);
@@ -361,12 +361,12 @@ static void test_all_that_do_not_follow_a_rising_current_are_stuck(void) {
     bench_t self = bench(0.0, 0.0);
     lode_finding_t found = {LODE_CHECK_NONE, 0.0f, 0.0f};
     for (int n = 0; n < 200 && found.check == LODE_CHECK_NONE; n++) {
-        self.asked_A = 0.05 * n;
-        found = look(&self);
+        self.ref_A = 0.05 * n;
+        found = check(&self);
     }
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found.check);
     TEST_ASSERT_TRUE(found.measured == 0.0f);
-    CHECK_NEAR(0.11, 0.1 * (double)I_MAX_A, self.asked_A);
+    CHECK_NEAR(0.11, 0.1 * (double)I_MAX_A, self.ref_A);
     for (int moving = 0; moving < 3; moving++) { // any count that moves is one that follows
         bench_t sound = bench(0.0, 0.0);
         lode_sample_t sample = {.omitted = LODE_PHASES};
@@ -386,15 +386,15 @@ static void test_a_phase_that_a_rising_current_holds_is_not_stuck(void) {
     expect_none(&self, 200);
     self.theta = 0.0;
     for (int n = 0; n < 4; n++) { // cos(theta) i stays
-        self.i_A = self.asked_A = 1.0 / cos(self.theta);
+        self.i_A = self.ref_A = 1.0 / cos(self.theta);
         expect_none(&self, 1);
     }
     TEST_ASSERT_TRUE(self.i_A > 2.0);
 }
 
-/// At high speed the looks lie far apart: a current with ripple may happen on the same count at three of them.
+/// At high speed the checks lie far apart: a current with ripple may happen on the same count at three of them.
 static void test_three_looks_far_apart_are_luck(void) {
-    const float far = 1.25f; // between two looks: 20 periods per turn
+    const float far = 1.25f; // between two checks: 20 periods per turn
     for (int equal = 2; equal <= 8; equal++) {
         bench_t self = bench(3.6, 0.0);
         lode_finding_t found = {.check = LODE_CHECK_NONE};
@@ -409,12 +409,12 @@ static void test_three_looks_far_apart_are_luck(void) {
 }
 
 /// Turn in which a phase that keeps its count near its peak is named, where the sum of the three is off by a share of the
-/// current. Two of three looks lie a tenth of a radian apart.
+/// current. Two of three checks lie a tenth of a radian apart.
 static double turn_at_a_sum(double share) {
     bench_t self = bench(3.6, 0.0);
     lode_finding_t found = {.check = LODE_CHECK_NONE};
     double turned =
-        -0.2; // the first look says nothing, and the second may lie on the other side of a peak
+        -0.2; // the first check says nothing, and the second may lie on the other side of a peak
     for (; turned < 2.0 && found.check == LODE_CHECK_NONE; turned += 0.1) {
         const int32_t a = 270 * LODE_COUNT_FRACTION;
         const int32_t b = LODE_COUNT_FRACTION * (int32_t)lround(100.0 * turned);
@@ -461,15 +461,15 @@ static void test_a_sum_that_lasts_is_found(void) {
     seldom.offset_A = 0.0;
     expect_none(&seldom, 3);
     TEST_ASSERT_EQUAL_INT(0, seldom.state.sum);
-    // Look by look: each good one takes back a bad one.
+    // Check by check: each good one takes back a bad one.
     bench_t partly = bench(3.0, 300.0);
     partly.offset_A = 5.0;
     expect_none(&partly, 10);
     partly.offset_A = 0.0;
     expect_none(&partly, 5);
     partly.offset_A = 5.0;
-    expect_none(&partly, (int)SUM_LOOKS - 1 - 5);
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_SUM, look(&partly).check);
+    expect_none(&partly, (int)SUM_CHECKS - 1 - 5);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_SUM, check(&partly).check);
 }
 
 /// Counts whose sum is just the limit, of either sign, are good; one more is not.
@@ -520,13 +520,13 @@ static void test_what_is_chance_is_noted_as_by_the_long_way(void) {
         const float i_A2 = random_float(&random, 0.0, 2.0) * self.tuning.i_min_A2;
         lode_plausibility_t shortly = before;
         lode_plausibility_t whole = before;
-        const uint32_t again = lode_plausibility_look(&shortly, i);
+        const uint32_t again = lode_plausibility_check(&shortly, i);
         if (lode_plausibility_is_chance(&shortly, &self.tuning, again, i_A2)) {
             const lode_finding_t found = judge(&whole, &self.tuning, i, i_A2, 0.01f);
             TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found.check);
             chances++;
         } else {
-            (void)lode_plausibility_look(&whole, i);
+            (void)lode_plausibility_check(&whole, i);
         }
         TEST_ASSERT_EQUAL_MEMORY(&whole, &shortly, sizeof whole);
     }
@@ -546,7 +546,7 @@ static void test_the_short_ways_find_the_same(void) {
     uint32_t moving = 0u;
     float i_A2 = 0.0f;
     for (int n = 0; n < 400000; n++) {
-        if (random_bits(&random) % 8u == 0u) { // every few looks
+        if (random_bits(&random) % 8u == 0u) { // every few checks
             moving = random_bits(&random) % 8u;
             i_A2 = random_float(&random, 0.0, 6.0) * self.tuning.i_min_A2;
             self.tuning.i_still = (int32_t)(random_bits(&random) % 2u) * 20 * LODE_COUNT_FRACTION;
@@ -605,7 +605,7 @@ static void test_configuration(void) {
 // --- A vector that is frozen ----------------------------------------------------------------------
 
 /// Four times the square of the least current, 0.05 of i_max, are enough.
-static void test_what_is_told_from_elsewhere_counts_in_shares(void) {
+static void test_what_is_reported_from_elsewhere_counts_in_shares(void) {
     const bench_t self = bench(3.0, 300.0);
     lode_plausibility_t watch = {.moved_A2 = 1.0f};
     lode_plausibility_add(&watch, &self.tuning, 0.25f);
@@ -629,64 +629,64 @@ static void test_noise_does_not_move_a_frozen_vector(void) {
         const double b = (ends & 2) > 0 ? GAIN_A : -GAIN_A;
         const double c = (ends & 4) > 0 ? GAIN_A : -GAIN_A;
         const lode_ab_t end = {(float)((2.0 * a - b - c) / 3.0), (float)((b - c) / sqrt(3.0))};
-        lode_frozen_t frozen = {.i_A = {-end.alpha, -end.beta}, .looks = 7u};
+        lode_frozen_t frozen = {.i_A = {-end.alpha, -end.beta}, .checks = 7u};
         TEST_ASSERT_FALSE(lode_frozen_moves(&frozen, &self.tuning, end));
-        TEST_ASSERT_EQUAL_UINT(7u, frozen.looks);
+        TEST_ASSERT_EQUAL_UINT(7u, frozen.checks);
         CHECK_NEAR(0.0, -(double)end.alpha, frozen.i_A.alpha);
     }
     for (int axis = 0; axis < 2; axis++) {
         const float beyond = (float)(3.01 * GAIN_A);
         const lode_ab_t i_A = {axis == 0 ? beyond : 0.0f, axis == 0 ? 0.0f : -beyond};
-        lode_frozen_t frozen = {.looks = 7u};
+        lode_frozen_t frozen = {.checks = 7u};
         TEST_ASSERT_TRUE(lode_frozen_moves(&frozen, &self.tuning, i_A));
-        TEST_ASSERT_EQUAL_UINT(0u, frozen.looks);
+        TEST_ASSERT_EQUAL_UINT(0u, frozen.checks);
         CHECK_NEAR(0.0, (double)i_A.alpha, frozen.i_A.alpha);
         CHECK_NEAR(0.0, (double)i_A.beta, frozen.i_A.beta);
         TEST_ASSERT_TRUE(lode_frozen_moves(&frozen, &self.tuning, (lode_ab_t){NAN, 0.0f}));
     }
     self.tuning.frozen_A2 = -1.0f; // off
-    lode_frozen_t off = {.looks = 0u};
+    lode_frozen_t off = {.checks = 0u};
     TEST_ASSERT_TRUE(lode_frozen_moves(&off, &self.tuning, off.i_A));
 }
 
-/// Looks with a current asked for that turns by `turn_rad` a look, of `i_A`: those until it is frozen, at most `most`.
-static int looks_until_frozen(double i_A, double turn_rad, bool follows, int most) {
+/// Checks with a current asked for that turns by `turn_rad` a check, of `i_A`: those until it is frozen, at most `most`.
+static int checks_until_frozen(double i_A, double turn_rad, bool follows, int most) {
     const bench_t self = bench(3.0, 300.0);
-    lode_frozen_t frozen = {.looks = 0u, .way_A = {1.0f, 1.0f}};
-    for (int look = 1; look < most; look++) {
-        const double theta = turn_rad * look;
-        const lode_ab_t asked_A = {(float)(i_A * cos(theta)), (float)(i_A * sin(theta))};
-        if (lode_frozen_look(&frozen, &self.tuning, asked_A) &&
+    lode_frozen_t frozen = {.checks = 0u, .way_A = {1.0f, 1.0f}};
+    for (int check = 1; check < most; check++) {
+        const double theta = turn_rad * check;
+        const lode_ab_t ref_A = {(float)(i_A * cos(theta)), (float)(i_A * sin(theta))};
+        if (lode_frozen_check(&frozen, &self.tuning, ref_A) &&
             (follows || lode_frozen_turned(&frozen, (float)turn_rad))) {
-            return look;
+            return check;
         }
     }
     return most;
 }
 
 static void test_a_vector_that_does_not_follow_is_frozen(void) {
-    // 0.6 A of 3 are 0.2003 rad: the third look is that far from the first, and the fourth too.
-    TEST_ASSERT_EQUAL_INT(4, looks_until_frozen(3.0, 0.101, true, 100));
-    TEST_ASSERT_EQUAL_INT(4, looks_until_frozen(3.0, -0.101, true, 100));
-    TEST_ASSERT_EQUAL_INT(5, looks_until_frozen(3.0, 0.099, true, 100));
-    TEST_ASSERT_EQUAL_INT(100, looks_until_frozen(3.0, 0.0, true, 100));
-    TEST_ASSERT_EQUAL_INT(100, looks_until_frozen(0.29, 0.3, true, 100)); // too little
-    // Where the EMF takes the voltage: a turn and 0.2003 rad, and a look from there. Either way.
-    TEST_ASSERT_EQUAL_INT(67, looks_until_frozen(3.0, 0.101, false, 100));
-    TEST_ASSERT_EQUAL_INT(67, looks_until_frozen(3.0, -0.101, false, 100));
+    // 0.6 A of 3 are 0.2003 rad: the third check is that far from the first, and the fourth too.
+    TEST_ASSERT_EQUAL_INT(4, checks_until_frozen(3.0, 0.101, true, 100));
+    TEST_ASSERT_EQUAL_INT(4, checks_until_frozen(3.0, -0.101, true, 100));
+    TEST_ASSERT_EQUAL_INT(5, checks_until_frozen(3.0, 0.099, true, 100));
+    TEST_ASSERT_EQUAL_INT(100, checks_until_frozen(3.0, 0.0, true, 100));
+    TEST_ASSERT_EQUAL_INT(100, checks_until_frozen(0.29, 0.3, true, 100)); // too little
+    // Where the EMF takes the voltage: a turn and 0.2003 rad, and a check from there. Either way.
+    TEST_ASSERT_EQUAL_INT(67, checks_until_frozen(3.0, 0.101, false, 100));
+    TEST_ASSERT_EQUAL_INT(67, checks_until_frozen(3.0, -0.101, false, 100));
 }
 
 static void test_a_frozen_vector_is_missed_at_two_looks_in_a_row(void) {
     const bench_t self = bench(3.0, 300.0);
-    lode_frozen_t frozen = {.looks = 0u};
-    for (int look = 0; look < 20; look++) { // there and back
-        const lode_ab_t asked_A = {look % 2 == 1 ? 2.0f : 0.0f, 0.0f};
-        TEST_ASSERT_FALSE(lode_frozen_look(&frozen, &self.tuning, asked_A));
+    lode_frozen_t frozen = {.checks = 0u};
+    for (int check = 0; check < 20; check++) { // there and back
+        const lode_ab_t ref_A = {check % 2 == 1 ? 2.0f : 0.0f, 0.0f};
+        TEST_ASSERT_FALSE(lode_frozen_check(&frozen, &self.tuning, ref_A));
     }
-    frozen = (lode_frozen_t){.looks = LODE_FROZEN_LOOKS, .way_A = {1.0f, 0.0f}};
+    frozen = (lode_frozen_t){.checks = LODE_FROZEN_CHECKS, .way_A = {1.0f, 0.0f}};
     const lode_ab_t none = {0.0f, 0.0f};
-    TEST_ASSERT_FALSE(lode_frozen_look(&frozen, &self.tuning, none));
-    TEST_ASSERT_EQUAL_UINT(LODE_FROZEN_LOOKS, frozen.looks);
+    TEST_ASSERT_FALSE(lode_frozen_check(&frozen, &self.tuning, none));
+    TEST_ASSERT_EQUAL_UINT(LODE_FROZEN_CHECKS, frozen.checks);
     CHECK_NEAR(0.0, 0.0, frozen.way_A.alpha);
 }
 
@@ -696,13 +696,13 @@ static void test_a_reference_that_alternates_freezes_nothing(void) {
     for (int sign = -1; sign <= 1; sign += 2) {
         for (int angle = 0; angle < 8; angle++) {
             const lode_sincos_t at = lode_sincos(0.7854f * (float)angle);
-            lode_frozen_t frozen = {.looks = 0u};
-            TEST_ASSERT_FALSE(lode_frozen_look(&frozen, &self.tuning, (lode_ab_t){5.0f, 5.0f}));
+            lode_frozen_t frozen = {.checks = 0u};
+            TEST_ASSERT_FALSE(lode_frozen_check(&frozen, &self.tuning, (lode_ab_t){5.0f, 5.0f}));
             float way = 2.0f;
-            for (int look = 0; look < 20; look++, way *= (float)sign) {
-                const lode_ab_t asked_A = {5.0f + way * at.cos, 5.0f + way * at.sin};
-                const bool frozen_now = lode_frozen_look(&frozen, &self.tuning, asked_A);
-                TEST_ASSERT_EQUAL(sign > 0 && look > 0, frozen_now);
+            for (int check = 0; check < 20; check++, way *= (float)sign) {
+                const lode_ab_t ref_A = {5.0f + way * at.cos, 5.0f + way * at.sin};
+                const bool frozen_now = lode_frozen_check(&frozen, &self.tuning, ref_A);
+                TEST_ASSERT_EQUAL(sign > 0 && check > 0, frozen_now);
             }
         }
     }
@@ -797,13 +797,13 @@ static void test_a_speed_that_comes_back_was_no_load_too_large(void) {
 /// (K29): by how much a rotor that all the torque brakes is faster, and for how long, running.
 static void test_a_braked_rotor_that_gets_faster_for_long(void) {
     const lode_plausibility_tuning_t tuning = load_tuning(0.03f);
-    const uint32_t looks = (uint32_t)(FASTER_TIMES * 0.03 / ROUND_s) + 1u;
+    const uint32_t checks = (uint32_t)(FASTER_TIMES * 0.03 / ROUND_s) + 1u;
     const float more = 0.101f * tuning.away_rad_s;
     const float less = 0.099f * tuning.away_rad_s;
     for (int sense = -1; sense <= 1; sense += 2) {
         const float s = (float)sense;
         lode_load_t load = {.held_rad_s = -50.0f * s};
-        for (uint32_t n = 1u; n < looks; n++) {
+        for (uint32_t n = 1u; n < checks; n++) {
             TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, s, -(50.0f + more) * s));
             TEST_ASSERT_EQUAL_UINT(n, load.faster);
         }
@@ -859,10 +859,10 @@ static void test_configuration_of_the_load(void) {
 
 static const lode_plausibility_tuning_t waves_tuning = {.i_min_A2 = 0.25f, .per_wave_A = 50.0f};
 
-/// One look at a vector of `i_A` in the direction `turns`, of the half-waves of `missing`, a bit each as in
+/// One check of a vector of `i_A` in the direction `turns`, of the half-waves of `missing`, a bit each as in
 /// lode_waves_t, no more than `left` of i_A. A count of 1/256 is 10 mA.
-static uint_least8_t wave_look(lode_waves_t *self, uint32_t missing, float i_A, double turns,
-                               int looks_per_turn, double left) {
+static uint_least8_t wave_check(lode_waves_t *self, uint32_t missing, float i_A, double turns,
+                                int checks_per_turn, double left) {
     int32_t i[LODE_PHASES];
     for (int phase = 0; phase < LODE_PHASES; phase++) {
         i[phase] = (int32_t)(100.0 * (double)i_A * cos(2.0 * CHECK_PI * (turns - phase / 3.0)));
@@ -875,15 +875,15 @@ static uint_least8_t wave_look(lode_waves_t *self, uint32_t missing, float i_A, 
         }
     }
     return lode_waves_step(self, &waves_tuning, i, i_A * i_A,
-                           (float)(2.0 * CHECK_PI / looks_per_turn));
+                           (float)(2.0 * CHECK_PI / checks_per_turn));
 }
 
-/// Looks of 30 to a turn until a phase is found whose half-wave `bit` is no more than `left` of what is asked for.
-static int looks_until_found(lode_waves_t *self, uint32_t bit, double left) {
+/// Checks of 30 to a turn until a phase is found whose half-wave `bit` is no more than `left` of what is asked for.
+static int checks_until_found(lode_waves_t *self, uint32_t bit, double left) {
     int n = 0;
     uint_least8_t found = 0u;
     for (; n < 200 && found == 0u; n++) {
-        found = wave_look(self, 1u << bit, 5.0f, n / 30.0, 30, left);
+        found = wave_check(self, 1u << bit, 5.0f, n / 30.0, 30, left);
     }
     TEST_ASSERT_EQUAL_UINT(n < 200 ? 1u + bit % 3u : 0u, found);
     return n;
@@ -893,9 +893,9 @@ static int looks_until_found(lode_waves_t *self, uint32_t bit, double left) {
 static void test_a_half_wave_is_more_than_half_of_the_current(void) {
     for (uint32_t bit = 0; bit < 6u; bit++) {
         lode_waves_t self = {.turn_rad = 0.0f};
-        CHECK_AT_MOST(70, looks_until_found(&self, bit, 0.5));
+        CHECK_AT_MOST(70, checks_until_found(&self, bit, 0.5));
         self = (lode_waves_t){.turn_rad = 0.0f};
-        TEST_ASSERT_EQUAL_INT(200, looks_until_found(&self, bit, 0.52));
+        TEST_ASSERT_EQUAL_INT(200, checks_until_found(&self, bit, 0.52));
     }
 }
 
@@ -904,18 +904,18 @@ static void test_little_current_begins_the_half_waves_anew(void) {
     lode_waves_t fresh = {.turn_rad = 0.0f};
     lode_waves_t self = {.turn_rad = 0.0f};
     for (int n = 0; n < 30; n++) {
-        TEST_ASSERT_EQUAL_UINT(0u, wave_look(&self, 0u, 5.0f, n / 30.0, 30, 0.0));
+        TEST_ASSERT_EQUAL_UINT(0u, wave_check(&self, 0u, 5.0f, n / 30.0, 30, 0.0));
     }
-    TEST_ASSERT_EQUAL_UINT(0u, wave_look(&self, 0u, 0.9f, 0.0, 30, 0.0));
-    TEST_ASSERT_EQUAL_INT(looks_until_found(&fresh, 0u, 0.0), looks_until_found(&self, 0u, 0.0));
+    TEST_ASSERT_EQUAL_UINT(0u, wave_check(&self, 0u, 0.9f, 0.0, 30, 0.0));
+    TEST_ASSERT_EQUAL_INT(checks_until_found(&fresh, 0u, 0.0), checks_until_found(&self, 0u, 0.0));
 }
 
 /// Three turns of a vector of `i_A` that is to be found, with the half-waves of `missing` left out.
-static uint_least8_t after_turns(uint32_t missing, float i_A, int looks_per_turn) {
+static uint_least8_t after_turns(uint32_t missing, float i_A, int checks_per_turn) {
     lode_waves_t self = {.turn_rad = 0.0f};
     uint_least8_t found = 0u;
-    for (int n = 0; n < 3 * looks_per_turn && found == 0u; n++) {
-        found = wave_look(&self, missing, i_A, (double)n / looks_per_turn, looks_per_turn, 0.0);
+    for (int n = 0; n < 3 * checks_per_turn && found == 0u; n++) {
+        found = wave_check(&self, missing, i_A, (double)n / checks_per_turn, checks_per_turn, 0.0);
     }
     return found;
 }
@@ -937,12 +937,12 @@ static void test_a_half_wave_that_is_missing_once_is_none(void) {
 }
 
 static void test_a_phase_without_a_half_wave_is_found(void) {
-    for (int looks = 21; looks <= 66; looks += 9) {
-        TEST_ASSERT_EQUAL_UINT(0u, after_turns(0u, 5.0f, looks));
+    for (int checks = 21; checks <= 66; checks += 9) {
+        TEST_ASSERT_EQUAL_UINT(0u, after_turns(0u, 5.0f, checks));
         for (uint32_t bit = 0; bit < 6u; bit++) {
-            TEST_ASSERT_EQUAL_UINT(1u + bit % 3u, after_turns(1u << bit, 5.0f, looks));
+            TEST_ASSERT_EQUAL_UINT(1u + bit % 3u, after_turns(1u << bit, 5.0f, checks));
         }
-        TEST_ASSERT_EQUAL_UINT(2u, after_turns(2u | 16u, 5.0f, looks)); // open
+        TEST_ASSERT_EQUAL_UINT(2u, after_turns(2u | 16u, 5.0f, checks)); // open
     }
     // Not with little current, and not where current control may not follow.
     TEST_ASSERT_EQUAL_UINT(1u, after_turns(1u, 1.0f, 30));
@@ -952,20 +952,19 @@ static void test_a_phase_without_a_half_wave_is_found(void) {
 
 // --- A current that falls and comes back ----------------------------------------------------------
 
-/// A round as a start has it, with a look in its middle. True: the current fell, and is back.
-static bool drop_round(lode_drop_t *drop, double i_A, double asked_A, double e_V,
-                       double *change_V) {
+/// A round as a start has it, with a check in its middle. True: the current fell, and is back.
+static bool drop_round(lode_drop_t *drop, double i_A, double ref_A, double e_V, double *change_V) {
     const float i_A2 = (float)(i_A * i_A);
     float change = NAN;
-    const bool back = lode_drop_step(drop, i_A2, (float)(asked_A * asked_A),
+    const bool back = lode_drop_step(drop, i_A2, (float)(ref_A * ref_A),
                                      (lode_dq_t){0.6f * (float)e_V, -0.8f * (float)e_V}, &change);
     *change_V = (double)change;
-    lode_drop_look(drop, i_A2);
+    lode_drop_check(drop, i_A2);
     return back;
 }
 
 /// Rounds until a current of 10 A that has overshot and has then been held for `held` rounds, falls to `fallen_A` in one and is
-/// `away_A` at the look after, is told to be back; 0: not within 20. The EMF is 2 V before and 5 V after.
+/// `away_A` at the check after, is told to be back; 0: not within 20. The EMF is 2 V before and 5 V after.
 static int rounds_until_back(int held, double fallen_A, double away_A, double back_A,
                              double *change_V) {
     lode_drop_t drop = {.rounds = 0u};
@@ -973,7 +972,7 @@ static int rounds_until_back(int held, double fallen_A, double away_A, double ba
     for (int n = 0; n < held; n++) {
         TEST_ASSERT_FALSE(drop_round(&drop, 10.0, 10.0, 2.0, change_V));
     }
-    lode_drop_look(&drop, (float)(fallen_A * fallen_A));
+    lode_drop_check(&drop, (float)(fallen_A * fallen_A));
     if (drop_round(&drop, away_A, 10.0, 5.0, change_V)) {
         return 1;
     }
@@ -998,7 +997,7 @@ static void test_a_current_that_falls_and_comes_back_tells_the_voltage(void) {
     TEST_ASSERT_EQUAL_INT(0, rounds_until_back(8, 4.0, 6.0, 8.4, &change_V));  // it stays away
 }
 
-/// At a round's own look: the next look, in its middle, confirms it. The EMF to go by is that of the round before.
+/// At a round's own check: the next check, in its middle, confirms it. The EMF to go by is that of the round before.
 static void test_a_fall_is_confirmed_by_the_next_look(void) {
     for (int again = 0; again < 2; again++) {
         lode_drop_t drop = {.rounds = 0u};
@@ -1008,7 +1007,7 @@ static void test_a_fall_is_confirmed_by_the_next_look(void) {
         }
         TEST_ASSERT_FALSE(
             lode_drop_step(&drop, 49.0f, 100.0f, (lode_dq_t){9.0f, 9.0f}, &(float){0.0f}));
-        lode_drop_look(&drop, again == 0 ? 64.0f : 81.0f);
+        lode_drop_check(&drop, again == 0 ? 64.0f : 81.0f);
         for (int n = 0; n < 4; n++) {
             TEST_ASSERT_FALSE(drop_round(&drop, 9.5, 10.0, 6.0, &change_V));
         }
@@ -1022,14 +1021,14 @@ static void test_a_fall_is_confirmed_by_the_next_look(void) {
     }
 }
 
-/// Three quarters are no fall, and 0.85 are neither away nor back. What is back at the next look may fall anew.
+/// Three quarters are no fall, and 0.85 are neither away nor back. What is back at the next check may fall anew.
 static void test_a_fall_at_its_limits(void) {
     lode_drop_t drop = {.held = 8u, .i_A2 = 1.0f};
-    lode_drop_look(&drop, 0.5625f);
+    lode_drop_check(&drop, 0.5625f);
     TEST_ASSERT_EQUAL_UINT(0u, drop.rounds);
-    lode_drop_look(&drop, 0.5624f);
+    lode_drop_check(&drop, 0.5624f);
     TEST_ASSERT_EQUAL_UINT(1u, drop.rounds);
-    lode_drop_look(&drop, 0.7225f);
+    lode_drop_check(&drop, 0.7225f);
     TEST_ASSERT_EQUAL_UINT(0u, drop.rounds);
     drop = (lode_drop_t){.held = 8u, .i_A2 = 1.0f, .rounds = 6u};
     float change_V = 0.0f;
@@ -1056,9 +1055,9 @@ static void test_a_current_that_is_not_asked_for_does_not_fall(void) {
 
 int main(void) {
     UNITY_BEGIN();
-    RUN_TEST(test_sound_converters_are_never_stuck);
-    RUN_TEST(test_a_stuck_converter_is_found_within_5_ms_from_a_fifth_of_the_speed);
-    RUN_TEST(test_a_converter_may_be_stuck_at_zero);
+    RUN_TEST(test_sound_adc_channels_are_never_stuck);
+    RUN_TEST(test_a_stuck_adc_channel_is_found_within_5_ms_from_a_fifth_of_the_speed);
+    RUN_TEST(test_an_adc_channel_may_be_stuck_at_zero);
     RUN_TEST(test_a_phase_beside_one_near_zero_is_stuck);
     RUN_TEST(test_three_that_keep_still_beside_dead_time);
     RUN_TEST(test_a_phase_that_stays_near_zero_may_be_left_out);
@@ -1078,7 +1077,7 @@ int main(void) {
     RUN_TEST(test_what_is_chance_is_noted_as_by_the_long_way);
     RUN_TEST(test_the_short_ways_find_the_same);
     RUN_TEST(test_configuration);
-    RUN_TEST(test_what_is_told_from_elsewhere_counts_in_shares);
+    RUN_TEST(test_what_is_reported_from_elsewhere_counts_in_shares);
     RUN_TEST(test_noise_does_not_move_a_frozen_vector);
     RUN_TEST(test_a_vector_that_does_not_follow_is_frozen);
     RUN_TEST(test_a_frozen_vector_is_missed_at_two_looks_in_a_row);

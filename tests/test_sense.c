@@ -374,7 +374,7 @@ static void test_calibration_averages(void) {
     CHECK_NEAR(ROUNDING, 1.25, amperes(&config, s, 2));
 }
 
-static void test_the_first_of_two_equal_deviations_is_told(void) {
+static void test_the_first_of_two_equal_deviations_is_reported(void) {
     const lode_sense_config_t config = board();
     const lode_sense_tuning_t tuning = tuned(&config);
     lode_sense_t sense;
@@ -590,7 +590,7 @@ static void test_a_long_calibration_keeps_its_precision(void) {
 }
 
 // A memory that has flipped: the offset that comes of it does not fit, and is refused, with no overflow on the way.
-static void test_sums_of_no_converter_are_refused(void) {
+static void test_sums_of_no_adc_are_refused(void) {
     const lode_sense_config_t config = board();
     const lode_sense_tuning_t tuning = tuned(&config);
     const lode_counts_t counts = {.i = {2048, 2048, 2048}};
@@ -699,7 +699,7 @@ static void test_the_bus_must_reach_its_voltage(void) {
     }
 }
 
-static void test_range_of_the_converter(void) {
+static void test_range_of_the_adc(void) {
     const size_t count = offsetof(lode_sense_config_t, count_max);
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(count, 65535.0f));
     const float bad[] = {65536.0f, -4095.0f, NAN, INFINITY, -INFINITY, 2047.0f};
@@ -797,7 +797,7 @@ int main(void) {
     RUN_TEST(test_every_sample_at_a_rail_is_an_alert);
     RUN_TEST(test_no_offset_at_the_end_of_the_range);
     RUN_TEST(test_calibration_averages);
-    RUN_TEST(test_the_first_of_two_equal_deviations_is_told);
+    RUN_TEST(test_the_first_of_two_equal_deviations_is_reported);
     RUN_TEST(test_a_calibration_takes_one_sample_at_least);
     RUN_TEST(test_implausible_offsets_change_nothing);
     RUN_TEST(test_calibration_of_two_shunts_ignores_the_third);
@@ -811,9 +811,9 @@ int main(void) {
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_currents_must_reach_i_max);
     RUN_TEST(test_the_bus_must_reach_its_voltage);
-    RUN_TEST(test_range_of_the_converter);
+    RUN_TEST(test_range_of_the_adc);
     RUN_TEST(test_temperature_must_be_finite);
-    RUN_TEST(test_sums_of_no_converter_are_refused);
+    RUN_TEST(test_sums_of_no_adc_are_refused);
     RUN_TEST(test_shunts_are_an_enumerator);
     RUN_TEST(test_samples_are_finite_for_any_accepted_gain);
     RUN_TEST(test_design_fills_what_is_open);

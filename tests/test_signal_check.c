@@ -20,8 +20,7 @@ void tearDown(void) {}
 
 static const lode_inverter_config_t inverter = {
     .v_bus_V = (float)V_BUS_V, .i_max_A = (float)I_MAX_A, .dead_time_s = 2.0e-6f};
-static const lode_sense_config_t converters = {.i_gain_A_count = (float)A_PER_COUNT,
-                                               .duty_max = 1.0f};
+static const lode_sense_config_t adc = {.i_gain_A_count = (float)A_PER_COUNT, .duty_max = 1.0f};
 static const lode_start_config_t start = {.catch_s = 0.05f};
 static const lode_signal_check_given_t usual = {PAPER_TS_s, true, true};
 static const lode_sense_tuning_t sense = {.i_gain = (float)COUNT_A,
@@ -33,9 +32,8 @@ static lode_signal_check_tuning_t tuned_to(double Ld_H, double Lq_H) {
     motor.Ld_H = (float)Ld_H;
     motor.Lq_H = (float)Lq_H;
     lode_signal_check_tuning_t tuning;
-    TEST_ASSERT_EQUAL_STRING("LODE_OK",
-                             lode_status_name(lode_signal_check_tune(&tuning, &start, &inverter,
-                                                                     &motor, &converters, usual)));
+    TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(lode_signal_check_tune(
+                                            &tuning, &start, &inverter, &motor, &adc, usual)));
     return tuning;
 }
 
@@ -239,8 +237,8 @@ static void test_sums_that_are_none_of_its_business(void) {
     lode_signal_check_given_t given = usual;
     given.sums = false;
     lode_signal_check_tuning_t tuning;
-    TEST_ASSERT_EQUAL_INT(
-        LODE_OK, lode_signal_check_tune(&tuning, &start, &inverter, &motor, &converters, given));
+    TEST_ASSERT_EQUAL_INT(LODE_OK,
+                          lode_signal_check_tune(&tuning, &start, &inverter, &motor, &adc, given));
     board_t self = board_at(0.3);
     self.gain[0] = 0.7;
     int periods;
@@ -770,12 +768,12 @@ static lode_signal_check_tuning_t tuned_with(lode_choice_t choice, lode_inverter
 static void test_where_there_is_no_check(void) {
     lode_inverter_config_t slow = inverter;
     slow.dead_time_s = 2.0e-5f; // 10 % of the period
-    lode_sense_config_t coarse = converters;
+    lode_sense_config_t coarse = adc;
     coarse.i_gain_A_count = 0.05f;
-    TEST_ASSERT_EQUAL_UINT(6u, tuned_with(LODE_AUTO, inverter, converters, true, LODE_OK).pulses);
-    TEST_ASSERT_EQUAL_UINT(6u, tuned_with(LODE_ON, inverter, converters, true, LODE_OK).pulses);
-    TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_OFF, inverter, converters, true, LODE_OK).pulses);
-    TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_AUTO, inverter, converters, false, LODE_OK).pulses);
+    TEST_ASSERT_EQUAL_UINT(6u, tuned_with(LODE_AUTO, inverter, adc, true, LODE_OK).pulses);
+    TEST_ASSERT_EQUAL_UINT(6u, tuned_with(LODE_ON, inverter, adc, true, LODE_OK).pulses);
+    TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_OFF, inverter, adc, true, LODE_OK).pulses);
+    TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_AUTO, inverter, adc, false, LODE_OK).pulses);
     lode_inverter_config_t twice = inverter;
     twice.double_update = LODE_ON;
     for (int n = 0; n < 4; n++) { // without low-side pulses, whoever says so
@@ -786,23 +784,21 @@ static void test_where_there_is_no_check(void) {
         lode_signal_check_tuning_t tuning;
         TEST_ASSERT_EQUAL_INT(LODE_OK,
                               lode_signal_check_tune(&tuning, &board, n < 2 ? &inverter : &twice,
-                                                     &motor, &converters, given));
+                                                     &motor, &adc, given));
         TEST_ASSERT_EQUAL_UINT(both ? 6u : 0u, tuning.pulses);
     }
-    TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_AUTO, slow, converters, true, LODE_OK).pulses);
+    TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_AUTO, slow, adc, true, LODE_OK).pulses);
     TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_AUTO, inverter, coarse, true, LODE_OK).pulses);
     const lode_status_t no = LODE_ERROR_CHOICE;
-    TEST_ASSERT_EQUAL_UINT(6u, tuned_with(LODE_ON, inverter, converters, false, LODE_OK).pulses);
-    TEST_ASSERT_EQUAL_UINT(99u, tuned_with(LODE_ON, slow, converters, true, no).pulses);
+    TEST_ASSERT_EQUAL_UINT(6u, tuned_with(LODE_ON, inverter, adc, false, LODE_OK).pulses);
+    TEST_ASSERT_EQUAL_UINT(99u, tuned_with(LODE_ON, slow, adc, true, no).pulses);
     TEST_ASSERT_EQUAL_UINT(99u, tuned_with(LODE_ON, inverter, coarse, true, no).pulses);
-    TEST_ASSERT_EQUAL_UINT(99u,
-                           tuned_with((lode_choice_t)7, inverter, converters, true, no).pulses);
+    TEST_ASSERT_EQUAL_UINT(99u, tuned_with((lode_choice_t)7, inverter, adc, true, no).pulses);
 }
 
 /// Nobody has looked whether the rotor turns. A current before the pulse says so, however large; else all is as ever.
 static void test_a_rotor_that_turns_where_nobody_has_looked(void) {
-    const lode_signal_check_tuning_t alone =
-        tuned_with(LODE_ON, inverter, converters, false, LODE_OK);
+    const lode_signal_check_tuning_t alone = tuned_with(LODE_ON, inverter, adc, false, LODE_OK);
     for (int sign = -1; sign <= 1; sign += 2) {
         int periods;
         board_t fast = board_at(0.5);
@@ -855,8 +851,7 @@ static void test_a_current_that_is_left_is_no_offset(void) {
 /// have flowed, when it ends 0.8 A do.
 static void test_what_rises_is_without_the_emf(void) {
     static const int32_t shown[] = {0, 10, 20, 80};
-    const lode_signal_check_tuning_t tuning =
-        tuned_with(LODE_ON, inverter, converters, false, LODE_OK);
+    const lode_signal_check_tuning_t tuning = tuned_with(LODE_ON, inverter, adc, false, LODE_OK);
     for (int sign = -1; sign <= 1; sign += 2) {
         lode_signal_check_t check;
         lode_signal_check_begin(&check, &tuning, true);
@@ -879,12 +874,11 @@ static void test_dead_time_of_double_update(void) {
     bridge.double_update = LODE_ON;
     const double least_V =
         4.0 * 4.0 / 3.0 * (1.0 + V_BUS_V * (1.9e-5 + 1.0e-6) / (2.0 * (double)PAPER_TS_s));
-    const lode_signal_check_tuning_t found =
-        tuned_with(LODE_AUTO, bridge, converters, true, LODE_OK);
+    const lode_signal_check_tuning_t found = tuned_with(LODE_AUTO, bridge, adc, true, LODE_OK);
     CHECK_NEAR(1.0e-5, least_V / V_BUS_V, (double)found.pulse);
     TEST_ASSERT_EQUAL_UINT(6u, found.pulses);
     bridge.double_update = LODE_OFF;
-    TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_AUTO, bridge, converters, true, LODE_OK).pulses);
+    TEST_ASSERT_EQUAL_UINT(0u, tuned_with(LODE_AUTO, bridge, adc, true, LODE_OK).pulses);
 }
 
 /// A quarter of i_max through the smaller inductance; more where dead time takes more than a quarter of that, up to what a
@@ -897,9 +891,9 @@ static void test_voltage_of_a_pulse(void) {
     dead.v_drop_V = 1.0f;
     const double least_V = 4.0 * 4.0 / 3.0 * (1.0 + V_BUS_V * 1.0e-5 / (double)PAPER_TS_s);
     TEST_ASSERT_TRUE(least_V > quarter_V);
-    const lode_signal_check_tuning_t more = tuned_with(LODE_AUTO, dead, converters, true, LODE_OK);
+    const lode_signal_check_tuning_t more = tuned_with(LODE_AUTO, dead, adc, true, LODE_OK);
     CHECK_NEAR(1.0e-5, least_V / V_BUS_V, (double)more.pulse);
-    lode_sense_config_t window = converters;
+    lode_sense_config_t window = adc;
     window.duty_max = 0.7f;
     const lode_signal_check_tuning_t less = tuned_with(LODE_AUTO, inverter, window, true, LODE_OK);
     CHECK_NEAR(1.0e-6, 0.98 * 0.2, (double)less.pulse);

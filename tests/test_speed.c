@@ -582,8 +582,8 @@ static double swing_of_light(double times, double bandwidth, double fed, double 
     enum { DEAD = 1024 };
     const double dt = 0.3 * delay_s / DEAD;
     const int steps = (int)(80.0 / sigma / dt);
-    static double asked[DEAD];
-    memset(asked, 0, sizeof asked);
+    static double acting[DEAD];
+    memset(acting, 0, sizeof acting);
     double omega = 1.0, theta = 0.0, one = 0.0, seen = 0.0, acc = 0.0, integral = 0.0;
     double angle = 0.0, speed = 0.0, load = 0.0;
     double early = 0.0;
@@ -594,8 +594,8 @@ static double swing_of_light(double times, double bandwidth, double fed, double 
         speed += dt * (acc + load + 3.0 * sigma * sigma * error);
         load += dt * sigma * sigma * sigma * error;
         integral += dt * 0.25 * bandwidth * bandwidth * speed;
-        acc += dt / (0.3 * delay_s) * (asked[n % DEAD] - acc);
-        asked[n % DEAD] = -bandwidth * speed - integral - fed * load;
+        acc += dt / (0.3 * delay_s) * (acting[n % DEAD] - acc);
+        acting[n % DEAD] = -bandwidth * speed - integral - fed * load;
         omega += dt * times * acc;
         theta += dt * omega;
         one += dt / (0.2 * delay_s) * (theta - one);

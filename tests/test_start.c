@@ -1491,10 +1491,10 @@ static void test_a_stop_ends_the_measurement(void) {
         (void)step(&start, &tuning, n, 47.0f, 8.0f, no_emf);
     }
     TEST_ASSERT_EQUAL_INT(LODE_START_FOUND, start.stage);
-    lode_start_t told = start;
-    TEST_ASSERT_TRUE(lode_start_measure(&told, &tuning, no_emf, &found));
+    lode_start_t measured = start;
+    TEST_ASSERT_TRUE(lode_start_measure(&measured, &tuning, no_emf, &found));
     CHECK_NEAR(1.0e-6, 0.0, found.r_Ohm);
-    TEST_ASSERT_EQUAL_INT(LODE_START_TURN, told.stage);
+    TEST_ASSERT_EQUAL_INT(LODE_START_TURN, measured.stage);
     found = (lode_start_found_t){7.0f, 8.0f};
     aim(&start, &tuning, 0.0f, 0.0f);
     start.current_A = 0.0f;
@@ -1798,7 +1798,7 @@ static void expect_hold(const attempt_t *it) {
                 (double)it->tuning.lock_rounds * ROUND * (double)PAPER_TS_s);
 }
 
-static void test_what_a_waiting_vector_does_not_meet_is_told(void) {
+static void test_what_a_waiting_vector_does_not_meet_is_reported(void) {
     const double round_s = ROUND * (double)PAPER_TS_s;
     attempt_t it = sound_attempt();
     it.start.current_A = 3.0f;
@@ -1818,7 +1818,7 @@ static void test_what_a_waiting_vector_does_not_meet_is_told(void) {
 }
 
 /// The same either way.
-static void test_what_a_turning_vector_does_not_meet_is_told(void) {
+static void test_what_a_turning_vector_does_not_meet_is_reported(void) {
     for (int sign = -1; sign <= 1; sign += 2) {
         attempt_t it = sound_attempt();
         it.start.omega_rad_s *= (float)sign;
@@ -1940,7 +1940,7 @@ static void test_a_rotor_that_slips_ends_the_attempt(void) {
 }
 
 /// What the current may take of the flux is allowed for; where next to nothing is left, nothing is said.
-static void test_a_slip_is_told_with_flux_that_is_left(void) {
+static void test_a_slip_is_reported_with_flux_that_is_left(void) {
     attempt_t it = sound_attempt();
     it.start.current_A = 8.0f;
     it.tuning.lost_per_A = 0.05f; // 0.4, or 0.56 with inductances that are off
@@ -2236,12 +2236,12 @@ int main(void) {
     RUN_TEST(test_the_vector_keeps_its_length);
     RUN_TEST(test_an_emf_below_the_drop_is_of_no_use);
     RUN_TEST(test_hand_over_by_half_of_the_base_speed);
-    RUN_TEST(test_what_a_waiting_vector_does_not_meet_is_told);
-    RUN_TEST(test_what_a_turning_vector_does_not_meet_is_told);
+    RUN_TEST(test_what_a_waiting_vector_does_not_meet_is_reported);
+    RUN_TEST(test_what_a_turning_vector_does_not_meet_is_reported);
     RUN_TEST(test_what_is_at_its_limit_is_met);
     RUN_TEST(test_the_last_attempt_tells_its_own_limits);
     RUN_TEST(test_a_rotor_that_slips_ends_the_attempt);
-    RUN_TEST(test_a_slip_is_told_with_flux_that_is_left);
+    RUN_TEST(test_a_slip_is_reported_with_flux_that_is_left);
     RUN_TEST(test_a_swing_is_no_slip);
     RUN_TEST(test_after_a_slip_the_current_is_the_last_ones);
     RUN_TEST(test_the_last_attempt_that_slips_is_lost);

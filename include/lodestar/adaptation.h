@@ -41,12 +41,12 @@ typedef struct {
 
 /// Sums over one edge, a change of the ramp's slope (O2), (O3).
 typedef struct {
-    float energy;  ///< energy of the ramp
-    float seen;    ///< correlation of ramp and acceleration
-    float asked;   ///< correlation of ramp and torque
-    float torque2; ///< energy of the torque
-    float acc2;    ///< energy of the acceleration
-    float both;    ///< correlation of torque and acceleration
+    float energy;      ///< energy of the ramp
+    float ramp_acc;    ///< correlation of ramp and acceleration
+    float ramp_torque; ///< correlation of ramp and torque
+    float torque2;     ///< energy of the torque
+    float acc2;        ///< energy of the acceleration
+    float torque_acc;  ///< correlation of torque and acceleration
 } lode_adaptation_edge_t;
 
 /// Everything that is known about the motor, with three phases or six. "Share": relative to the configured value.
@@ -66,8 +66,8 @@ typedef struct {
     lode_adaptation_filter_t by_speed;  ///< washout of the speed
     lode_adaptation_filter_t by_ramp;   ///< washout of the ramp
     lode_adaptation_edge_t edge;        ///< present edge
-    float seen;                         ///< mean over the edges that agree on the inertia (O3)
-    float asked;                        ///< the same for the torque
+    float ramp_acc;                     ///< mean over the edges that agree on the inertia (O3)
+    float ramp_torque;                  ///< the same for the torque
     float other;                        ///< inertia of the last edge that disagreed, as a share
     float spread;    ///< mean deviation of the edges from the mean before them, as a share
     float psi_share; ///< flux beyond the configured one, as a share
@@ -109,7 +109,7 @@ bool lode_adaptation_post(lode_adaptation_t *self, lode_drive_t *drive,
 lode_adaptation_found_t lode_adaptation_found(const lode_adaptation_t *self);
 
 /// Writes the same to `telemetry->motor`, for logs, displays and the fault log. After lode_drive_telemetry().
-void lode_adaptation_tell(const lode_adaptation_t *self, lode_telemetry_t *telemetry);
+void lode_adaptation_telemetry(const lode_adaptation_t *self, lode_telemetry_t *telemetry);
 
 #ifdef __cplusplus
 }

@@ -35,8 +35,8 @@ bool lode_adaptation6_post(lode_adaptation6_t *self, lode_drive6_t *drive,
 
 lode_adaptation_found_t lode_adaptation6_found(const lode_adaptation6_t *self);
 
-/// As lode_adaptation_tell(). After lode_drive6_telemetry(), with the `drive` of its result.
-void lode_adaptation6_tell(const lode_adaptation6_t *self, lode_telemetry_t *telemetry);
+/// As lode_adaptation_telemetry(). After lode_drive6_telemetry(), with the `drive` of its result.
+void lode_adaptation6_telemetry(const lode_adaptation6_t *self, lode_telemetry_t *telemetry);
 
 #ifdef __cplusplus
 }

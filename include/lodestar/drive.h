@@ -358,7 +358,7 @@ typedef struct {
     float injection_error_rad; ///< position error from injection, not limited; 0: no injection
     float emf_error_rad;       ///< position error from the EMF
     /// estimates made by the main loop. lode_drive_telemetry() leaves value and confidence 0;
-    /// lode_adaptation_tell() (adaptation.h) and lode_learn_tell() (learn.h) fill them in
+    /// lode_adaptation_telemetry() (adaptation.h) and lode_learn_telemetry() (learn.h) fill them in
     lode_adapted_motor_t motor;
 } lode_telemetry_t;
 

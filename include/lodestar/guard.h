@@ -97,7 +97,7 @@ typedef struct {
     float omega_max;
     uint_least16_t bus_periods; ///< debounce of bus, temperature and rail, control periods
     /// debounce of lock and speed, calls of lode_guard_check_slow()
-    uint_least16_t lock_looks;
+    uint_least16_t lock_checks;
     uint_least16_t
         still_rounds; ///< slow rounds in which the temperature's count must change; 0: not checked
     uint_least16_t bus_still_rounds; ///< the same for the bus

@@ -50,8 +50,8 @@ typedef struct {
     float iq2_A2; ///< sums over the measurement, as the next ones
     float off_VsA;
     float psi_Wb;
-    float looks;
-    float psi_looks;
+    float samples;
+    float psi_samples;
 } lode_learn_t;
 
 /// Derives the limits: 0.3 to 3 times the Lq of `config` (a higher lower limit if less would be refused), 0.7 to
@@ -71,8 +71,8 @@ bool lode_learn_step(lode_learn_t *self, const lode_learn_tuning_t *tuning,
                      const lode_telemetry_t *telemetry, float dt_s);
 
 /// Writes Lq and its confidence to `telemetry->motor`, after lode_drive_telemetry(). (The confidence of psi is not
-/// known; if the adaptation estimates psi, lode_adaptation_tell() writes it.)
-void lode_learn_tell(const lode_learn_t *self, lode_telemetry_t *telemetry);
+/// known; if the adaptation estimates psi, lode_adaptation_telemetry() writes it.)
+void lode_learn_telemetry(const lode_learn_t *self, lode_telemetry_t *telemetry);
 
 /// Makes the tuning for `config` with the learned values. They act on motor, current control and injection;
 /// everything else stays. On any error `tuning` is left alone.

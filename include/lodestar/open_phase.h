@@ -34,7 +34,7 @@ typedef struct {
     uint_least16_t lacks[LODE_HALF_WAVES]; ///< count by half-wave: how long it has been missing
     uint_least16_t idle;                   ///< count of too little current to decide
     uint_least8_t doubts;                  ///< 1: a half-wave has been missing
-    lode_dq_t asked_A;                     ///< current reference one round ago
+    lode_dq_t ref_A;                       ///< current reference one round ago
 } lode_half_waves_t;
 
 /// Counts of one of two sets.
@@ -49,12 +49,12 @@ typedef struct {
     bool doubts; ///< a half-wave has been missing
 } lode_open_phase_watch_t;
 
-/// Tuning for six phases. `xy_rad_s`: rate at which the currents of the xy plane decay. `look_s`: time between two
+/// Tuning for six phases. `xy_rad_s`: rate at which the currents of the xy plane decay. `interval_s`: time between two
 /// checks of a set.
-lode_open_phase_tuning_t lode_open_phase_tune(float i_max_A, float xy_rad_s, float look_s);
+lode_open_phase_tuning_t lode_open_phase_tune(float i_max_A, float xy_rad_s, float interval_s);
 
-/// Tuning for three phases. `control_rad_s`: bandwidth of current control. `look_s`: time between two checks.
-lode_open_phase_tuning_t lode_half_waves_tune(float i_max_A, float control_rad_s, float look_s);
+/// Tuning for three phases. `control_rad_s`: bandwidth of current control. `interval_s`: time between two checks.
+lode_open_phase_tuning_t lode_half_waves_tune(float i_max_A, float control_rad_s, float interval_s);
 
 void lode_open_phase_reset(lode_open_phase_watch_t *self);
 

@@ -4,7 +4,7 @@
 /// that is not that of the magnets (P26).
 ///
 /// They run while the gates are on: counts and sums every LODE_GUARD_PERIODS, the others once in LODE_SLOW_PERIODS or when
-/// there is a reason. In the following, a "look" is one such check, and the "reference" is the current reference.
+/// there is a reason. In the following, the "reference" is the current reference.
 #ifndef LODESTAR_PLAUSIBILITY_H
 #define LODESTAR_PLAUSIBILITY_H
 
@@ -52,31 +52,31 @@ typedef struct {
     uint_least8_t
         held; ///< rounds in which the current was at its reference, limited to what is needed
     uint_least8_t
-        rounds; ///< rounds since the fall, from 2; 1: it fell at the last look; 0: no fall
+        rounds; ///< rounds since the fall, from 2; 1: it fell at the last check; 0: no fall
 } lode_drop_t;
 
 /// State of the checks of counts and sum.
 typedef struct {
-    int32_t i[LODE_PHASES]; ///< phase currents at the last look, 1/256 count
-    uint_least8_t kept;     ///< phases with the same count as at the look before, one bit each
+    int32_t i[LODE_PHASES]; ///< phase currents at the last check, 1/256 count
+    uint_least8_t kept;     ///< phases with the same count as at the check before, one bit each
     /// those that have kept it for the whole of turn_rad; one more bit: the current has changed meanwhile
     uint_least8_t still;
     uint_least16_t sum; ///< debounce counter of the sum: up while out of range, down while in range
     float turn_rad;     ///< electrical turn of the vector while they have kept their counts
-    float i_A2;         ///< reference at the last look with an unchanged count, squared
+    float i_A2;         ///< reference at the last check with an unchanged count, squared
     float moved_A2;     ///< total change of that square since any of the counts changed
 } lode_plausibility_t;
 
 /// Check for a current vector that moves by no more than noise although its reference changes (K36). Stator axes.
 typedef struct {
-    lode_ab_t i_A;     ///< where the current has stopped
-    lode_ab_t asked_A; ///< reference at the first look since then
-    lode_ab_t way_A;   ///< of the reference from there, at the last check; 0: it had hardly moved
+    lode_ab_t i_A;   ///< where the current has stopped
+    lode_ab_t ref_A; ///< reference at the first check since then
+    lode_ab_t way_A; ///< of the reference from there, at the last check; 0: it had hardly moved
     uint_least16_t
-        looks; ///< looks since then, up to LODE_FROZEN_LOOKS; 0: it moves, `asked_A` is not valid
+        checks; ///< checks since then, up to LODE_FROZEN_CHECKS; 0: it moves, `ref_A` is not valid
 } lode_frozen_t;
 
-#define LODE_FROZEN_LOOKS 0xffffu
+#define LODE_FROZEN_CHECKS 0xffffu
 
 /// Stage of the check for a current vector that changes at once by a factor (K38).
 typedef enum {
@@ -124,9 +124,9 @@ typedef struct {
 
 #define LODE_NONE_FOLLOWS 8u ///< bit above those of the three phases
 
-/// Second part of a look at the counts. The first part (lode_plausibility_look() in plausibility_inline.h) has
+/// Second part of a check of the counts. The first part (lode_plausibility_check() in plausibility_inline.h) has
 /// found the phases `again`, a bit each, that have kept their count twice in a row. `turn_rad`: signed turn of the
-/// vector since the last look. `i_A2`: reference squared, or the measured current squared if the voltage does not
+/// vector since the last check. `i_A2`: reference squared, or the measured current squared if the voltage does not
 /// suffice for the reference. `A_per_count`: amperes per 1/256 count. Returns a bit for each phase that has kept
 /// its count over a turn that should have changed it, and LODE_NONE_FOLLOWS if all have kept theirs while the
 /// reference changed.
@@ -144,46 +144,46 @@ void lode_plausibility_add(lode_plausibility_t *self, const lode_plausibility_tu
 bool lode_plausibility_none_flows(const lode_plausibility_tuning_t *tuning, float i_A2,
                                   float turn_rad, float A_per_count);
 
-/// Third part of a look, if there is `doubt` or the sum is out of range: reports what only a fault explains.
-/// `sum_looks`: debounce of the sum.
+/// Third part of a check, if there is `doubt` or the sum is out of range: reports what only a fault explains.
+/// `sum_checks`: debounce of the sum.
 lode_finding_t lode_plausibility_find(lode_plausibility_t *self,
                                       const lode_plausibility_tuning_t *tuning, uint32_t doubt,
-                                      uint32_t sum_looks, lode_hold_t hold, float A_per_count);
+                                      uint32_t sum_checks, lode_hold_t hold, float A_per_count);
 
 /// For a phase 1 .. 3 that was found stuck while all three are measured: true if it has no current and the other
 /// two add up to zero. Then the phase is open, and the ADC channel healthy.
 bool lode_plausibility_is_open(const lode_plausibility_t *self, uint32_t phase, float A_per_count);
 
-/// One look at the half-waves in START. `turn_rad`: turn of the vector since the last look. `i_A2`: reference
+/// One check of the half-waves in START. `turn_rad`: turn of the vector since the last check. `i_A2`: reference
 /// squared. Returns the phase without a half-wave, 1 .. 3; 0: none found.
 uint_least8_t lode_waves_step(lode_waves_t *self, const lode_plausibility_tuning_t *tuning,
                               const int32_t i[LODE_PHASES], float i_A2, float turn_rad);
 
 /// Between two calls of lode_drop_step(): notes whether the current has fallen. `i_A2`: current squared.
-void lode_drop_look(lode_drop_t *self, float i_A2);
+void lode_drop_check(lode_drop_t *self, float i_A2);
 
-/// Once in LODE_SLOW_PERIODS. `i_A2`, `asked_A2`: current and reference, squared; asked_A2 = 0: too small to judge.
+/// Once in LODE_SLOW_PERIODS. `i_A2`, `ref_A2`: current and reference, squared; ref_A2 = 0: too small to judge.
 /// `e_V`: EMF along and across the vector. True: the current fell some rounds ago and is back; `change_V` is then
 /// the change of the EMF since before the fall.
-bool lode_drop_step(lode_drop_t *self, float i_A2, float asked_A2, lode_dq_t e_V, float *change_V);
+bool lode_drop_step(lode_drop_t *self, float i_A2, float ref_A2, lode_dq_t e_V, float *change_V);
 
 /// Once in LODE_SLOW_PERIODS, if the current has hardly moved (lode_frozen_moves() in plausibility_inline.h).
-/// `asked_A`: present reference. True: the current has not followed its reference, so it is frozen if there is
+/// `ref_A`: present reference. True: the current has not followed its reference, so it is frozen if there is
 /// voltage for the reference.
-bool lode_frozen_look(lode_frozen_t *self, const lode_plausibility_tuning_t *tuning,
-                      lode_ab_t asked_A);
+bool lode_frozen_check(lode_frozen_t *self, const lode_plausibility_tuning_t *tuning,
+                       lode_ab_t ref_A);
 
-/// After lode_frozen_look(): true if the reference has made a whole turn since the first look. `turn_rad`: its turn
+/// After lode_frozen_check(): true if the reference has made a whole turn since the first check. `turn_rad`: its turn
 /// per LODE_SLOW_PERIODS.
 bool lode_frozen_turned(const lode_frozen_t *self, float turn_rad);
 
 /// To be called if the current `i_A` is far from `expected_A`, which follows from the last current, voltage and
 /// EMF. `size`: square of the distance over the square of the least one that is judged. `starts`: START, where an
 /// increase does not count. True: this sample must not be used for the EMF.
-bool lode_jump_look(lode_jump_t *self, lode_ab_t i_A, lode_ab_t expected_A, float size,
-                    bool starts);
+bool lode_jump_check(lode_jump_t *self, lode_ab_t i_A, lode_ab_t expected_A, float size,
+                     bool starts);
 
-/// Once per control period in any stage but NONE, after lode_jump_look() if that was called. Returns the factor
+/// Once per control period in any stage but NONE, after lode_jump_check() if that was called. Returns the factor
 /// once it is confirmed; below 0: none. `turn_rad`: turn of the vector per period. `gone`: hardly any current is
 /// left.
 float lode_jump_wait(lode_jump_t *self, float turn_rad, bool gone);

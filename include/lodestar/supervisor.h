@@ -54,8 +54,8 @@ typedef struct {
     bool waits;          ///< time_s counts the time in FAULT
     bool shorts;         ///< the EMF was above the bus when the drive last ran
     uint32_t faulted_at; ///< lode_telemetry_t.steps when the fault was first seen
-    bool asked;          ///< an attempt has been posted
-    uint32_t asked_at;   ///< lode_telemetry_t.steps at that time
+    bool posted;         ///< an attempt has been posted
+    uint32_t posted_at;  ///< lode_telemetry_t.steps at that time
 } lode_supervisor_t;
 
 /// `tuning`: the one that the drive began with; it must not change. `attempts`: continues if it holds a valid

@@ -67,7 +67,7 @@ bool board_init(float i_trip_A) {
     }
     stamp_start();
     sequential_start();
-    if (!chip_pwm_init() || !chip_converter_init()) {
+    if (!chip_pwm_init() || !chip_adc_init()) {
         return false;
     }
     chip_driver_reset();
@@ -86,17 +86,17 @@ static void watchdog_start(void) {
 
 void board_start(void) {
     watchdog_start();
-    chip_converter_arm();
+    chip_adc_arm();
     reg_write(NVIC_PRIORITY(IRQ_ADC_FIFO), 0u); // above all else
     reg_write(NVIC_ENABLE_1, 1u << (IRQ_ADC_FIFO - 32u));
     chip_pwm_start();
 }
 
 LODE_RAMFUNC void adc_fifo_handler(void) {
-    complete = chip_converter_take(sample);
+    complete = chip_adc_take(sample);
     chip_deadline_move();
     app_period();
-    chip_converter_rest();
+    chip_adc_rest();
 }
 
 LODE_RAMFUNC void board_read(lode_counts_t *counts) {

@@ -75,13 +75,13 @@ void chip_pwm_write(lode_abc_t duty);
 void chip_deadline_move(void);
 
 /// ADC and the two DMA channels, not yet enabled.
-bool chip_converter_init(void);
+bool chip_adc_init(void);
 /// From now on the wraps of the slices take effect.
-void chip_converter_arm(void);
+void chip_adc_arm(void);
 /// Takes the samples of this period. False: wrong number of samples.
-bool chip_converter_take(uint16_t sample[CHIP_SAMPLES]);
+bool chip_adc_take(uint16_t sample[CHIP_SAMPLES]);
 /// Call after the period: waits for the extra conversion and discards it.
-void chip_converter_rest(void);
+void chip_adc_rest(void);
 
 /// Enable, reset and fault pin of the gate driver. Before anything else: enable low.
 void chip_driver_init(void);

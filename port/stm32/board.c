@@ -138,7 +138,7 @@ bool board_init(float i_trip_A) {
     port_temperature_init();
     analog_pins_init();
     chip_protection_init(i_trip_A);
-    if (!pwm_init() || !chip_converters_init()) {
+    if (!pwm_init() || !chip_adc_init()) {
         return false;
     }
     chip_deadline_init();
@@ -149,14 +149,14 @@ bool board_init(float i_trip_A) {
 
 void board_start(void) {
     stm32_watchdog_start();
-    chip_converters_arm();
+    chip_adc_arm();
     NVIC_SetPriority(STM32_PERIOD_IRQ, 0u); // above all else
     NVIC_EnableIRQ(STM32_PERIOD_IRQ);
     stm32_pwm_start();
 }
 
 LODE_RAMFUNC void STM32_PERIOD_HANDLER(void) {
-    chip_converters_acknowledge();
+    chip_adc_acknowledge();
     chip_deadline_move();
     app_period();
 }

@@ -30,13 +30,13 @@ bool chip_protection_test(void);
 
 /// ADC1, ADC2 and ADC3, injected and simultaneous, two ranks each, on TIM1's TRGO. Always true: no failure is
 /// detectable here.
-bool chip_converters_init(void);
+bool chip_adc_init(void);
 
 /// From now on a trigger raises the interrupt.
-void chip_converters_arm(void);
+void chip_adc_arm(void);
 
 /// Call before the next results.
-static inline void chip_converters_acknowledge(void) {
+static inline void chip_adc_acknowledge(void) {
     REG_WRITE(ADC1->SR, ~(uint32_t)(ADC_SR_JEOC | ADC_SR_JSTRT));
 }
 

@@ -137,7 +137,7 @@ static void sequences(void) {
     static const uint32_t slow[] = {VARIANT_BUS_CHANNEL, VARIANT_T_CHANNEL};
     sampling(ADC1, link, 1u);
     sampling(ADC2, slow, 2u);
-    chip_link_converters();
+    chip_link_adcs();
 }
 
 #else
@@ -161,7 +161,7 @@ static void sequences(void) {
 
 #endif
 
-bool chip_converters_init(void) {
+bool chip_adc_init(void) {
     REG_SET(RCC->AHB2ENR, RCC_AHB2ENR_ADC12EN);
     REG_WRITE(ADC12_COMMON->CCR, CLOCK_BY_4 << ADC_CCR_CKMODE_Pos); // the clock of the calibration
     if (!wake(ADC1) || !wake(ADC2)) {
@@ -176,8 +176,8 @@ bool chip_converters_init(void) {
     return true;
 }
 
-void chip_converters_arm(void) {
-    chip_converters_acknowledge();
+void chip_adc_arm(void) {
+    chip_adc_acknowledge();
     REG_WRITE(ADC1->CR, ADC_CR_ADVREGEN | ADC_CR_JADSTART); // starts both of a dual mode
 #ifdef VARIANT_LINK
     REG_WRITE(ADC2->CR, ADC_CR_ADVREGEN | ADC_CR_JADSTART);

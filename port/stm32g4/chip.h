@@ -31,10 +31,10 @@ void chip_protection_init(float i_trip_A);
 bool chip_protection_test(void);
 
 /// ADC1 and ADC2, injected and simultaneous, three ranks each, on TIM1's TRGO. False: no answer.
-bool chip_converters_init(void);
+bool chip_adc_init(void);
 
 /// From now on a trigger starts them.
-void chip_converters_arm(void);
+void chip_adc_arm(void);
 
 #if defined(VARIANT_LINK) && VARIANT_DOUBLE_UPDATE
 #error "One shunt needs a whole period for its two samples: no VARIANT_DOUBLE_UPDATE"
@@ -42,11 +42,11 @@ void chip_converters_arm(void);
 
 /// Call before the next results.
 #ifdef VARIANT_LINK
-void chip_converters_acknowledge(void);
+void chip_adc_acknowledge(void);
 /// Sequences and triggers with one shunt.
-void chip_link_converters(void);
+void chip_link_adcs(void);
 #else
-static inline void chip_converters_acknowledge(void) {
+static inline void chip_adc_acknowledge(void) {
     REG_WRITE(ADC1->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
 }
 #endif

@@ -87,7 +87,7 @@ bool chip_link_init(void) {
 }
 
 // ADC1: the link, one conversion per trigger. ADC2: bus and temperature, whose end is the interrupt.
-void chip_link_converters(void) {
+void chip_link_adcs(void) {
     const uint32_t link = VARIANT_LINK_CHANNEL;
     REG_WRITE(ADC1->CFGR, ADC_CFGR_JDISCEN);
     REG_WRITE(ADC1->JSQR, 1u << ADC_JSQR_JL_Pos | RISING_EDGE << ADC_JSQR_JEXTEN_Pos |
@@ -104,17 +104,17 @@ void chip_link_converters(void) {
 // little more than the step.
 
 // After a missed trigger the next sample would count as the first one from then on, so restart the sequence.
-static void converter_begins_anew(void) {
+static void restart_adc_sequence(void) {
     REG_WRITE(ADC1->CR, ADC_CR_ADVREGEN | ADC_CR_JADSTP);
     (void)reg_await(&ADC1->CR, ADC_CR_JADSTP | ADC_CR_JADSTART, 0u);
     REG_WRITE(ADC1->CR, ADC_CR_ADVREGEN | ADC_CR_JADSTART);
 }
 
-void chip_converters_acknowledge(void) {
+void chip_adc_acknowledge(void) {
     REG_WRITE(ADC2->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
     complete = (REG_READ(ADC1->ISR) & ADC_ISR_JEOS) != 0u;
     if (!complete) {
-        converter_begins_anew();
+        restart_adc_sequence();
     }
     REG_WRITE(ADC1->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
     // Written before the upper turning point, which loads them.

@@ -31,13 +31,13 @@ bool chip_protection_test(void);
 
 /// ADC1 and ADC2, injected and simultaneous, three ranks each, on TIM1's TRGO. False: no answer, or a chip of
 /// revision Y, whose ADCs have another clock tree.
-bool chip_converters_init(void);
+bool chip_adc_init(void);
 
 /// From now on a trigger starts them.
-void chip_converters_arm(void);
+void chip_adc_arm(void);
 
 /// Call before the next results.
-static inline void chip_converters_acknowledge(void) {
+static inline void chip_adc_acknowledge(void) {
     REG_WRITE(ADC1->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
 }
 

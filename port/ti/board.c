@@ -29,7 +29,7 @@ void ti_init(void) {
 }
 
 LODE_RAMFUNC void ti_period(void) {
-    missed_periods = !chip_converters_acknowledge();
+    missed_periods = !chip_adc_acknowledge();
     app_period();
 }
 

@@ -35,7 +35,7 @@ void chip_comparator_set(uint32_t phase, uint16_t high, uint16_t low);
 
 /// Sets up three ADCs: each converts a current on the same trigger; one then converts the bus, another one a
 /// temperature if there is a sensor.
-void chip_converters_init(void);
+void chip_adc_init(void);
 /// Result of the last period; phase 0 .. 2.
 uint16_t chip_current(uint32_t phase);
 uint16_t chip_bus(void);
@@ -43,7 +43,7 @@ uint16_t chip_bus(void);
 uint16_t chip_temperature(void);
 /// Lets the next result raise the interrupt again, also after a missed one. False: a period passed without its
 /// interrupt.
-bool chip_converters_acknowledge(void);
+bool chip_adc_acknowledge(void);
 
 /// The gate driver's enable.
 void chip_driver_set(bool on);

@@ -54,7 +54,7 @@ void chip_protection_init(float i_trip_A) {
     reg_write32(PWMXBAR1_G4, PWMXBAR_INPUT0);
 }
 
-void chip_converters_init(void) {
+void chip_adc_init(void) {
     reg_write32(TOP_KICK0, KICK0_UNLOCK);
     reg_write32(TOP_KICK1, KICK1_UNLOCK);
     reg_write16(TOP_ADC_REFBUF0, REFERENCES_ON);
@@ -99,7 +99,7 @@ LODE_RAMFUNC uint16_t chip_temperature(void) {
 #endif
 }
 
-LODE_RAMFUNC bool chip_converters_acknowledge(void) {
+LODE_RAMFUNC bool chip_adc_acknowledge(void) {
     const uint32_t adc = ADC(VARIANT_BUS_ADC);
     reg_write16(adc + ADC_INTFLGCLR, ADCINT1);
     const bool missed = (reg_read16(adc + ADC_INTOVF) & ADCINT1) != 0u;

@@ -72,7 +72,7 @@ bool board_init(float i_trip_A) {
     if (!chip_pwm_init()) {
         return false;
     }
-    chip_converters_init();
+    chip_adc_init();
     ti_init();
     pwm_pins_init(); // only now, when the trip zones hold the outputs low
     ti_driver_enable();
@@ -82,7 +82,7 @@ bool board_init(float i_trip_A) {
 void board_start(void) {
     const uint32_t irq = IRQ_CONTROLSS_INTXBAR0;
     watchdog_start();
-    (void)chip_converters_acknowledge();
+    (void)chip_adc_acknowledge();
     reg_write32(VIM_MAP(irq), reg_read32(VIM_MAP(irq)) & ~VIM_BIT(irq));  // IRQ
     reg_write32(VIM_TYPE(irq), reg_read32(VIM_TYPE(irq)) | VIM_BIT(irq)); // pulse
     reg_write32(VIM_PRIORITY(irq), 0u);

@@ -90,7 +90,7 @@ void chip_protection_init(float i_trip_A) {
     XBAR_lockInput(XBAR_INPUT1);
 }
 
-void chip_converters_init(void) {
+void chip_adc_init(void) {
     static const SysCtl_PeripheralPCLOCKCR clocks[CHIP_PHASES] = {
         SYSCTL_PERIPH_CLK_ADCA, SYSCTL_PERIPH_CLK_ADCB, SYSCTL_PERIPH_CLK_ADCC};
     for (uint32_t n = 0u; n < CHIP_PHASES; n++) {
@@ -136,7 +136,7 @@ LODE_RAMFUNC uint16_t chip_temperature(void) {
 #endif
 }
 
-LODE_RAMFUNC bool chip_converters_acknowledge(void) {
+LODE_RAMFUNC bool chip_adc_acknowledge(void) {
     ADC_clearInterruptStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
     const bool missed = ADC_getInterruptOverflowStatus(VARIANT_BUS_ADC, ADC_INT_NUMBER1);
     if (missed) {

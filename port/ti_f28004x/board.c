@@ -86,7 +86,7 @@ bool board_init(float i_trip_A) {
     if (!chip_pwm_init()) {
         return false;
     }
-    chip_converters_init();
+    chip_adc_init();
     ti_init();
     pwm_pins_init(); // only now, when the trip zones hold the outputs low
     ti_driver_enable();
@@ -95,7 +95,7 @@ bool board_init(float i_trip_A) {
 
 void board_start(void) {
     watchdog_start();
-    (void)chip_converters_acknowledge();
+    (void)chip_adc_acknowledge();
     Interrupt_clearACKGroup(VARIANT_PERIOD_GROUP);
     Interrupt_enable(VARIANT_PERIOD_INT);
     EINT;

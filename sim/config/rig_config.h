@@ -145,12 +145,12 @@ typedef struct {
     char name[RIG_NAME_LENGTH];
     int line[RIG_PHASE_KEYS_MAX]; ///< where each key was given, 0: nowhere
     double duration_s;
-    int mode;          ///< index into the list of mode names, -1: as before
-    double speed_rpm;  ///< commanded
-    double asked_rpm;  ///< no key: the value from which speed_rpm was lowered; 0: not lowered
-    int control;       ///< lode_control_t, -1: as before
-    double torque_Nm;  ///< commanded, torque control
-    double ramp_rpm_s; ///< slope of the command itself; unset: a step
+    int mode;             ///< index into the list of mode names, -1: as before
+    double speed_rpm;     ///< commanded
+    double commanded_rpm; ///< no key: the value from which speed_rpm was lowered; 0: not lowered
+    int control;          ///< lode_control_t, -1: as before
+    double torque_Nm;     ///< commanded, torque control
+    double ramp_rpm_s;    ///< slope of the command itself; unset: a step
     double load_Nm;
     double v_bus_V;
     double temperature_degC;

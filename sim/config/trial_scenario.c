@@ -43,11 +43,11 @@ void trial_scenario(rig_config_t *config) {
     const double np = (double)drive->motor.pole_pairs;
     const speed_limits_t limits = speed_limits_of(drive);
     const double ramp_rpm_s = rig_rpm_from_rad_s((double)drive->speed.ramp_rad_s2);
-    const double asked = rig_rpm_from_rad_s(fmin((double)drive->motor.omega_rated_rad_s,
-                                                 BASE_SHARE * limits.base_rad_s)) /
-                         np;
+    const double commanded = rig_rpm_from_rad_s(fmin((double)drive->motor.omega_rated_rad_s,
+                                                     BASE_SHARE * limits.base_rad_s)) /
+                             np;
     const double most = rig_rpm_from_rad_s(TRIAL_ESTIMATOR_SHARE * limits.estimator_rad_s) / np;
-    const double full = fmin(asked, most);
+    const double full = fmin(commanded, most);
     const double handover = rig_rpm_from_rad_s((double)drive->start.omega_handover_rad_s) / np;
     const double slow = fmin(HANDOVER_FACTOR * handover, full);
     const double sigma = (double)drive->estimator.pll.sigma_rad_s;
@@ -60,7 +60,8 @@ void trial_scenario(rig_config_t *config) {
         add(config, "half_speed", rise_s, 0.5 * full, 0.0);
     }
     add(config, "full_speed", rise_s, full, 0.0);
-    config->scenario.phase[config->scenario.phases - 1].asked_rpm = asked > most ? asked : 0.0;
+    config->scenario.phase[config->scenario.phases - 1].commanded_rpm =
+        commanded > most ? commanded : 0.0;
     add(config, "load", SETTLE_s, full, load_Nm);
     add(config, "no_load", SETTLE_s, full, 0.0);
     add(config, "stop", rise_s, 0.0, 0.0);

@@ -173,7 +173,7 @@
     ROW(FLOAT, float, guard.temperature_min) \
     ROW(FLOAT, float, guard.omega_max) \
     ROW(WHOLE, uint_least16_t, guard.bus_periods) \
-    ROW(WHOLE, uint_least16_t, guard.lock_looks) \
+    ROW(WHOLE, uint_least16_t, guard.lock_checks) \
     ROW(WHOLE, uint_least16_t, guard.still_rounds) \
     ROW(WHOLE, uint_least16_t, guard.bus_still_rounds) \
     ROW(WHOLE, uint32_t, guard.stamp_min) \

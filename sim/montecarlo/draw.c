@@ -103,10 +103,10 @@ static void tell_wrong(lode_drive_config_t *drive, const ranges_t *ranges, uint6
     motor->Lq_H = (float)((double)motor->Lq_H * Lq);
     motor->Ld_H = (float)((double)motor->Ld_H * (round ? Lq : Ld));
     motor->psi_Wb = (float)((double)motor->psi_Wb * psi);
-    const double told_s =
+    const double assumed_s =
         (double)inverter->dead_time_s * (1.0 + ranges->dead_time_share * dead_time) +
         ranges->dead_time_s * dead_time;
-    inverter->dead_time_s = (float)fmax(told_s, 0.0);
+    inverter->dead_time_s = (float)fmax(assumed_s, 0.0);
 }
 
 /// Draws the true values: angle, inertia, and the errors of the board's sensors.
@@ -123,11 +123,11 @@ static void draw_truth(rig_config_t *truth, const ranges_t *ranges, uint64_t *st
 
 /// Commissioning of the drive with the wrong parameters and a free shaft. Uses the measured values in place of
 /// them; returns why there are none, or NULL.
-static const char *commission(rig_config_t *told, const plant_config_t *truth) {
+static const char *commission(rig_config_t *config, const plant_config_t *truth) {
     static commission_run_t run; // large
     plant_config_t plant = *truth;
     plant.load_Nm = 0.0;
-    if (!commission_run_on(&run, told, &plant)) {
+    if (!commission_run_on(&run, config, &plant)) {
         return "refused";
     }
     const lode_commission_t *ended = commission_of(&run);
@@ -138,15 +138,15 @@ static const char *commission(rig_config_t *told, const plant_config_t *truth) {
         return text;
     }
     const lode_drive_config_t *found = lode_commission_config(ended);
-    told->given.motor = found->motor;
-    told->given.inverter = found->inverter;
-    told->given.references.Lq_fall = found->references.Lq_fall;
+    config->given.motor = found->motor;
+    config->given.inverter = found->inverter;
+    config->given.references.Lq_fall = found->references.Lq_fall;
     if (run.sets > 1) {
-        told->given_six.Lxy_H = lode_commission6_config(&run.commission)->Lxy_H;
-        told->six = told->given_six;
+        config->given_six.Lxy_H = lode_commission6_config(&run.commission)->Lxy_H;
+        config->six = config->given_six;
     }
-    told->drive = told->given;
-    rig_config_design(told);
+    config->drive = config->given;
+    rig_config_design(config);
     return NULL;
 }
 
@@ -172,7 +172,7 @@ bool mc_draw(mc_case_t *one, const mc_machine_t *machine, mc_test_t test, mc_err
     const ranges_t ranges = ranges_of(errors);
     uint64_t state = begin(machine->name, seed);
     double none = 0.0;
-    rig_config_t *truth = &one->told; // holds the true values until the plant is made
+    rig_config_t *truth = &one->config; // holds the true values until the plant is made
     *truth = machine->given;
     truth->scenario.seed = (double)(state >> 11);
     draw_truth(truth, &ranges, &state);
@@ -181,19 +181,19 @@ bool mc_draw(mc_case_t *one, const mc_machine_t *machine, mc_test_t test, mc_err
         rig_error("%s: the plant refuses this machine", machine->name);
         return false;
     }
-    one->told = machine->given;
-    tell_wrong(&one->told.drive, &ranges, &state);
-    one->told.given = one->told.drive;
-    rig_config_design(&one->told);
+    one->config = machine->given;
+    tell_wrong(&one->config.drive, &ranges, &state);
+    one->config.given = one->config.drive;
+    rig_config_design(&one->config);
     one->unfit = NULL;
     if (errors == MC_ERRORS_COMMISSIONED) {
-        one->unfit = commission(&one->told, &one->plant);
+        one->unfit = commission(&one->config, &one->plant);
     }
     one->direction = splitmix_uniform(&state) < 0.5 ? -1.0 : 1.0;
     const double peak_Nm = splitmix_uniform(&state) * START_LOAD_SHARE * machine->torque_Nm;
     one->start_load_Nm = test == MC_START ? peak_Nm / (1.0 + one->plant.load_ripple) : 0.0;
     one->slow_e_rad_s = fmax(SLOW_SHARE * machine->full_e_rad_s,
-                             PER_HANDOVER * (double)one->told.drive.start.omega_handover_rad_s);
+                             PER_HANDOVER * (double)one->config.drive.start.omega_handover_rad_s);
     one->slow_e_rad_s = fmin(one->slow_e_rad_s, machine->full_e_rad_s);
     one->coast_e_rad_s = test == MC_FLY ? coast_share(seed) * machine->rated_e_rad_s : 0.0;
     one->breaks = draw_break(one, machine, &state);

@@ -45,7 +45,7 @@ typedef struct {
 } mc_machine_t;
 
 typedef struct {
-    rig_config_t told;    ///< parameters of the drive, designed
+    rig_config_t config;  ///< parameters of the drive, designed
     plant_config_t plant; ///< the truth
     double slow_e_rad_s;  ///< 20 %, or 1.5 times the hand-over speed for the drive's parameters
     double direction;     ///< 1 or -1

@@ -66,8 +66,8 @@ void mc_results_take(mc_results_t *self, uint64_t number, const mc_result_t *res
                    result->passed ? "" : result->cause);
 }
 
-static bool is_told(const mc_row_t *row) {
-    return strncmp(row->cause, MC_TOLD, strlen(MC_TOLD)) == 0;
+static bool is_reported(const mc_row_t *row) {
+    return strncmp(row->cause, MC_REPORTED, strlen(MC_REPORTED)) == 0;
 }
 
 static bool is_silent(const mc_row_t *row) {
@@ -76,7 +76,7 @@ static bool is_silent(const mc_row_t *row) {
 
 /// A fault in RUN although the angle was usable. A start has no angle; `start` judges it.
 static bool is_false_trip(const mc_row_t *row) {
-    return row->done != 0u && row->passed == 0u && !is_silent(row) && !is_told(row) &&
+    return row->done != 0u && row->passed == 0u && !is_silent(row) && !is_reported(row) &&
            (double)row->max_error_deg < MC_ERROR_MAX_deg;
 }
 
@@ -95,7 +95,7 @@ void mc_results_print_failure(FILE *file, const mc_results_t *self, uint64_t num
 // ---- Table --------------------------------------------------------------------------------------
 
 typedef struct {
-    uint64_t cases, passed, silent, told, listed, false_trips, periods;
+    uint64_t cases, passed, silent, reported, listed, false_trips, periods;
     double max_error_deg;
 } count_t;
 
@@ -112,7 +112,7 @@ static count_t count_of(const mc_results_t *self, uint64_t from, uint64_t to) {
         count.passed += row->passed;
         count.listed += row->listed;
         count.silent += is_silent(row) ? 1u : 0u;
-        count.told += is_told(row) ? 1u : 0u;
+        count.reported += is_reported(row) ? 1u : 0u;
         count.false_trips += is_false_trip(row) ? 1u : 0u;
         count.periods += row->periods;
         count.max_error_deg = fmax(count.max_error_deg, (double)row->max_error_deg);
@@ -273,7 +273,7 @@ bool mc_results_print(FILE *file, const mc_results_t *self) {
     const count_t counted = count_held(self, spares);
     const bar_t bar = bar_of(campaign->errors);
     const bool pooled = quiet || share_of(&counted) >= bar.share;
-    const bool faulted = quiet || !wide || all.silent + all.told == 0u;
+    const bool faulted = quiet || !wide || all.silent + all.reported == 0u;
     (void)fprintf(file, "%-20s %9llu %9llu %8.2f %8llu  %.1f%s%s\n", "all",
                   (unsigned long long)all.cases, (unsigned long long)all.passed,
                   100.0 * share_of(&all), (unsigned long long)all.silent, all.max_error_deg,

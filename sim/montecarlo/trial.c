@@ -23,15 +23,15 @@
 #define RIPPLE_SHARE 0.1          // of 100 % torque: the reference at a steady load
 #define RIPPLE_LOAD_SHARE 0.2
 #define RIPPLE_s 0.3
-#define QUIET_PERIODS 20000 // periods with the same speed and load
-#define TOLD_PERIODS 16u    // periods from one reading of telemetry to the next
-enum { GLIDE_STEPS = 100 }; // steps of a gradual change
-#define CATCH_s 0.05        // a rotor that turns already is caught within this time ...
-#define CATCH_TURNS 2.0     // ... or so many electrical turns, whichever is longer
-#define FOUND_s 0.05        // an open phase is found within this time ...
-#define FOUND_TURNS 1.2     // ... or this number of electrical turns, whichever is longer
-#define LOOKED_s 1.0        // observation time for a late fault
-#define KICK_s 5.0e-3       // time after the catch in which the peak current still counts
+#define QUIET_PERIODS 20000   // periods with the same speed and load
+#define TELEMETRY_PERIODS 16u // periods from one reading of telemetry to the next
+enum { GLIDE_STEPS = 100 };   // steps of a gradual change
+#define CATCH_s 0.05          // a rotor that turns already is caught within this time ...
+#define CATCH_TURNS 2.0       // ... or so many electrical turns, whichever is longer
+#define FOUND_s 0.05          // an open phase is found within this time ...
+#define FOUND_TURNS 1.2       // ... or this number of electrical turns, whichever is longer
+#define LOOKED_s 1.0          // observation time for a late fault
+#define KICK_s 5.0e-3         // time after the catch in which the peak current still counts
 #define LISTED_s 0.01
 #define LISTED_SHARE 0.5
 
@@ -117,11 +117,11 @@ static bool follow_error(trial_t *trial, bool ran) {
 /// The reason for a speed not reached that telemetry gives to a user.
 static void follow_telemetry(trial_t *trial) {
     lode_telemetry_t telemetry;
-    if (trial->rig.drive->steps % TOLD_PERIODS != 0u ||
+    if (trial->rig.drive->steps % TELEMETRY_PERIODS != 0u ||
         !lode_drive_telemetry(trial->rig.drive, &telemetry)) {
         return;
     }
-    const double weight = fmin((double)TOLD_PERIODS * trial->ts_s / HOLD_s, 1.0);
+    const double weight = fmin((double)TELEMETRY_PERIODS * trial->ts_s / HOLD_s, 1.0);
     trial->limited += weight * ((telemetry.torque_limited ? 1.0 : 0.0) - trial->limited);
     trial->raised = telemetry.speed_raised;
 }
@@ -130,9 +130,9 @@ static void fail_by_speed(trial_t *trial) {
     if (mode_of(trial) != LODE_MODE_RUN) {
         fail(trial, false, "not in RUN");
     } else if (trial->raised) {
-        fail(trial, true, MC_TOLD "speed raised to the least");
+        fail(trial, true, MC_REPORTED "speed raised to the least");
     } else if (trial->limited >= LIMITED_SHARE) {
-        fail(trial, true, MC_TOLD "torque at its limit, speed not reached");
+        fail(trial, true, MC_REPORTED "torque at its limit, speed not reached");
     } else {
         fail(trial, false, "speed not reached");
     }
@@ -187,7 +187,7 @@ static bool settle(trial_t *trial, double limit_s) {
 }
 
 static double settle_limit_s(const trial_t *trial, double change_m_rad_s) {
-    const double bandwidth = (double)trial->one->told.drive.speed.bandwidth_rad_s;
+    const double bandwidth = (double)trial->one->config.drive.speed.bandwidth_rad_s;
     return SETTLE_s + SETTLE_PER_BANDWIDTH / bandwidth +
            TORQUE_RESERVE * trial->one->plant.J_kgm2 * fabs(change_m_rad_s) /
                trial->machine->torque_max_Nm;
@@ -207,7 +207,7 @@ static bool go(trial_t *trial, const char *what, double omega_e_rad_s) {
     trial->what = what;
     command(trial, trial->one->direction * omega_e_rad_s);
     // A reversal goes through a start.
-    const double start_s = turns_back ? (double)trial->one->told.drive.start.timeout_s : 0.0;
+    const double start_s = turns_back ? (double)trial->one->config.drive.start.timeout_s : 0.0;
     return settle(trial, start_s + settle_limit_s(trial, trial->command_m_rad_s - before));
 }
 
@@ -260,7 +260,8 @@ static bool is_calm(trial_t *trial) {
     float low = HUGE_VALF;
     float high = -HUGE_VALF;
     trial->what = "steady 20 % load";
-    if (!wait(trial, SETTLE_PER_BANDWIDTH / (double)trial->one->told.drive.speed.bandwidth_rad_s)) {
+    if (!wait(trial,
+              SETTLE_PER_BANDWIDTH / (double)trial->one->config.drive.speed.bandwidth_rad_s)) {
         return false;
     }
     for (double left_s = RIPPLE_s; left_s > 0.0; left_s -= trial->ts_s) {
@@ -285,10 +286,10 @@ static bool is_calm(trial_t *trial) {
 }
 
 static bool start(trial_t *trial) {
-    const lode_drive_config_t *told = &trial->one->told.drive;
+    const lode_drive_config_t *config = &trial->one->config.drive;
     trial->what = "start";
     command(trial, trial->one->direction * trial->one->slow_e_rad_s);
-    const double wait_s = (double)told->start.timeout_s + (double)told->sense.calibrate_s;
+    const double wait_s = (double)config->start.timeout_s + (double)config->sense.calibrate_s;
     // Up to a load of 0.8/1.5 of i_max, half of the torque is left.
     if (!settle(trial, wait_s + 2.0 * settle_limit_s(trial, trial->command_m_rad_s))) {
         return false;
@@ -345,7 +346,7 @@ static bool calibrate(trial_t *trial) {
     trial->what = "calibration";
     plant_set_speed(&trial->rig.plant, 0.0);
     (void)lode_drive_post_command(trial->rig.drive, &calibration);
-    for (double left_s = 2.0 * (double)trial->one->told.drive.sense.calibrate_s;
+    for (double left_s = 2.0 * (double)trial->one->config.drive.sense.calibrate_s;
          !lode_drive_knows(trial->rig.drive, LODE_KNOWN_OFFSETS) && left_s > 0.0;
          left_s -= trial->ts_s) {
         if (!step(trial)) {
@@ -360,7 +361,7 @@ static bool calibrate(trial_t *trial) {
 static bool is_caught(trial_t *trial) {
     const double coast = fabs(trial->one->coast_e_rad_s);
     const double limit_s = fmax(CATCH_s, CATCH_TURNS * 2.0 * RIG_PI / fmax(coast, 1.0e-3));
-    const bool fast = coast >= (double)trial->one->told.drive.start.omega_handover_rad_s;
+    const bool fast = coast >= (double)trial->one->config.drive.start.omega_handover_rad_s;
     double time_s = 0.0;
     trial->what = "catch";
     plant_watch_peak(&trial->rig.plant);
@@ -406,7 +407,7 @@ static bool fly(trial_t *trial) {
         return false;
     }
     trial->what = "after the catch";
-    return settle(trial, (double)trial->one->told.drive.start.timeout_s +
+    return settle(trial, (double)trial->one->config.drive.start.timeout_s +
                              settle_limit_s(trial, 2.0 * trial->command_m_rad_s));
 }
 
@@ -508,8 +509,8 @@ void mc_trial(mc_result_t *result, const mc_machine_t *machine, const mc_case_t 
     trial.machine = machine;
     trial.one = one;
     trial.result = result;
-    trial.estimate = runner_estimator(&one->told);
-    trial.ts_s = 1.0 / (double)one->told.drive.f_pwm_Hz;
+    trial.estimate = runner_estimator(&one->config);
+    trial.ts_s = 1.0 / (double)one->config.drive.f_pwm_Hz;
     trial.useless_s = -1.0;
     trial.now.truth.theta_e_rad = one->plant.theta_e_rad;
     if (one->unfit != NULL) {
@@ -517,7 +518,7 @@ void mc_trial(mc_result_t *result, const mc_machine_t *machine, const mc_case_t 
         fail(&trial, true, one->unfit);
         return;
     }
-    const lode_status_t status = rig_init(&trial.rig, &one->told, &one->plant);
+    const lode_status_t status = rig_init(&trial.rig, &one->config, &one->plant);
     if (status != LODE_OK) {
         trial.what = "init";
         fail(&trial, true, lode_status_name(status));

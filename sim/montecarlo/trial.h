@@ -9,7 +9,7 @@
 #define MC_ERROR_MAX_deg 60.0
 
 /// Prefix of the cause of a failure without a fault that telemetry explains: why the speed was not reached.
-#define MC_TOLD "told: "
+#define MC_REPORTED "reported: "
 
 /// It passes through a pipe, so it holds no pointers.
 typedef struct {

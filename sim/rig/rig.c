@@ -157,14 +157,14 @@ double rig_true_Lq_H(const rig_t *self) {
 void rig_tell(const rig_t *self, lode_telemetry_t *telemetry) {
     (void)lode_drive_telemetry(self->drive, telemetry);
     if (self->adapts && self->sets == PLANT_SETS) {
-        lode_adaptation6_tell(&self->adaptation6, telemetry);
+        lode_adaptation6_telemetry(&self->adaptation6, telemetry);
     } else if (self->adapts) {
-        lode_adaptation_tell(&self->adaptation, telemetry);
+        lode_adaptation_telemetry(&self->adaptation, telemetry);
     } else {
         // nothing was learned
     }
     if (self->learns) {
-        lode_learn_tell(&self->learn, telemetry);
+        lode_learn_telemetry(&self->learn, telemetry);
     }
 }
 

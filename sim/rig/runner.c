@@ -42,9 +42,9 @@ typedef struct {
     lode_mode_t mode;
     bool driven; ///< the gates were on in the period of which the estimate uses the voltage
     bool faulted;
-    bool asked;   ///< a phase has commanded RUN with a speed
-    bool excused; ///< such a phase has an end_mode other than RUN
-    bool held;    ///< speed held by a dynamometer
+    bool commanded; ///< a phase has commanded RUN with a speed
+    bool excused;   ///< such a phase has an end_mode other than RUN
+    bool held;      ///< speed held by a dynamometer
     double v_bus_V;
     double drawn_J;  ///< energy drawn from the supply before this period
     double supply_A; ///< filtered
@@ -425,9 +425,9 @@ static bool asks_for_speed(const run_t *run) {
     return run->command.mode == LODE_MODE_RUN && fabs(run->speed_goal_rpm) > 0.0;
 }
 
-static void note_asked(run_t *run, const rig_phase_t *phase) {
+static void note_command(run_t *run, const rig_phase_t *phase) {
     if (asks_for_speed(run)) {
-        run->asked = true;
+        run->commanded = true;
         run->excused =
             run->excused || (phase->end_mode >= 0 && phase->end_mode != (int)LODE_MODE_RUN);
     }
@@ -584,15 +584,15 @@ static void check_speed(const run_t *run, const rig_phase_t *phase, runner_phase
     const double goal_rpm = run->speed_goal_rpm;
     const double np = (double)run->config->drive.motor.pole_pairs;
     const double omega = fabs(rig_rad_s_from_rpm(goal_rpm)) * np;
-    const bool asked = run->command.mode == LODE_MODE_RUN &&
-                       run->command.control == LODE_CONTROL_SPEED && omega > 0.0;
-    if (run->held || run->faulted || !asked) {
+    const bool commanded = run->command.mode == LODE_MODE_RUN &&
+                           run->command.control == LODE_CONTROL_SPEED && omega > 0.0;
+    if (run->held || run->faulted || !commanded) {
         return;
     }
     const double most_rpm = rig_rpm_from_rad_s(run->limits.estimator_rad_s) / np;
-    if (phase->asked_rpm > 0.0) {
+    if (phase->commanded_rpm > 0.0) {
         warn(out, "%.4g rpm is above %g of the estimator's limit of %.4g rpm, lowered to %.4g rpm",
-             phase->asked_rpm, TRIAL_ESTIMATOR_SHARE, most_rpm, phase->speed_rpm);
+             phase->commanded_rpm, TRIAL_ESTIMATOR_SHARE, most_rpm, phase->speed_rpm);
     }
     const double trip_rad_s = (double)run->config->drive.guard.omega_max_rad_s;
     if (omega > fmin(trip_rad_s, run->limits.estimator_rad_s)) {
@@ -669,7 +669,7 @@ static bool run_phase(run_t *run, int index) {
         k++;
     }
     apply_to_command(run, phase);
-    note_asked(run, phase);
+    note_command(run, phase);
     for (; good && k < periods; ++k) {
         good = run_period(run, index, out, k >= window_from);
     }
@@ -851,7 +851,7 @@ bool runner_run(const rig_config_t *config, runner_estimator_t estimate, runner_
         }
     }
     take_log(&run);
-    result->never_ran = run.asked && !run.excused && isnan(result->handover_s) &&
+    result->never_ran = run.commanded && !run.excused && isnan(result->handover_s) &&
                         (result->supervised || result->fault.check == LODE_CHECK_NONE);
     result->adapts = run.rig.adapts;
     result->learns = run.rig.learns;

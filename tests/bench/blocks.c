@@ -297,11 +297,11 @@ BLOCK(atan2) {
 BLOCK(pi) {
     const lode_pi_tuning_t *t = &tuning[ENHANCED].current.q;
     const float error = 0.01f * input(call)->theta_rad;
-    const float asked = lode_pi_output(&pi, t, error, 9.0f);
-    if (lode_abs(asked) <= 12.0f) {
+    const float unlimited = lode_pi_output(&pi, t, error, 9.0f);
+    if (lode_abs(unlimited) <= 12.0f) {
         lode_pi_integrate(&pi, t, error);
     }
-    bench_sink[0] = asked;
+    bench_sink[0] = unlimited;
 }
 
 BLOCK(sogi) {

@@ -3,7 +3,7 @@
 lode_port_test(test_port_sequential "${CMAKE_CURRENT_SOURCE_DIR}/test_port_sequential.c"
                "${LODE_PORT_DIR}/common/sequential.c")
 
-set(rp2350 board.c clock.c converter.c driver.c pwm.c)
+set(rp2350 board.c clock.c adc.c driver.c pwm.c)
 list(TRANSFORM rp2350 PREPEND "${LODE_PORT_DIR}/rp2350/")
 foreach(sensing IN ITEMS LOW_SIDE_TWO LOW_SIDE_THREE)
   string(TOLOWER "test_port_rp2350_${sensing}" name)

@@ -15,8 +15,8 @@ endfunction()
 
 stm32_test(test_port_b_g431b_esc1 stm32g4 b_g431b_esc1 FAKE_G4 clock.c analog.c deadline.c)
 stm32_test(test_port_nucleo_ihm16m1 stm32g4 nucleo_ihm16m1 FAKE_G4 clock.c analog.c deadline.c)
-stm32_test(test_port_stm32f4 stm32f4 generic_f405 FAKE_F4 clock.c converters.c deadline.c)
-stm32_test(test_port_stm32h7 stm32h7 generic_h743 FAKE_H7 clock.c converters.c deadline.c)
+stm32_test(test_port_stm32f4 stm32f4 generic_f405 FAKE_F4 clock.c adc.c deadline.c)
+stm32_test(test_port_stm32h7 stm32h7 generic_h743 FAKE_H7 clock.c adc.c deadline.c)
 
 # Bought boards: their figures once more, from their documents.
 foreach(board IN ITEMS b_g431b_esc1 nucleo_ihm16m1)
@@ -27,7 +27,7 @@ endforeach()
 # The same board with other ways to sense.
 foreach(sensing IN ITEMS LOW_SIDE_TWO IN_LINE_THREE IN_LINE_TWO)
   string(TOLOWER "test_port_stm32f4_${sensing}" name)
-  stm32_test(${name} stm32f4 generic_f405 FAKE_F4 clock.c converters.c deadline.c)
+  stm32_test(${name} stm32f4 generic_f405 FAKE_F4 clock.c adc.c deadline.c)
   target_compile_definitions(${name} PRIVATE VARIANT_SENSING=PORT_${sensing})
 endforeach()
 
@@ -38,9 +38,9 @@ foreach(case IN ITEMS stm32f4:IN_LINE_THREE stm32f4:IN_LINE_TWO stm32f4:LOW_SIDE
   list(GET case 1 sensing)
   string(TOLOWER "test_port_${port}_${sensing}_double" name)
   if(port STREQUAL stm32f4)
-    stm32_test(${name} stm32f4 generic_f405 FAKE_F4 clock.c converters.c deadline.c)
+    stm32_test(${name} stm32f4 generic_f405 FAKE_F4 clock.c adc.c deadline.c)
   else()
-    stm32_test(${name} stm32h7 generic_h743 FAKE_H7 clock.c converters.c deadline.c)
+    stm32_test(${name} stm32h7 generic_h743 FAKE_H7 clock.c adc.c deadline.c)
   endif()
   target_compile_definitions(${name} PRIVATE VARIANT_SENSING=PORT_${sensing} VARIANT_DOUBLE_UPDATE=true)
 endforeach()

@@ -208,7 +208,7 @@ static void test_samples_are_brought_to_tk(void) {
     board_write(&out);
     TEST_ASSERT_TRUE(fake_trigger());
     uint16_t sample[CHIP_SAMPLES];
-    TEST_ASSERT_TRUE(chip_converter_take(sample));
+    TEST_ASSERT_TRUE(chip_adc_take(sample));
     const lode_counts_t counts = counts_now();
     const double winding_H = 0.6e-3, delay_s = (double)CHIP_SPREAD_ns * 1.0e-9;
     const double a_A =

@@ -54,10 +54,10 @@
 #endif
 #ifdef HAS_SYSTEM_BREAK
 #define BREAK_ACTIVE_HIGH TIM_BDTR_BKP // behind the polarity of each source
-#define CONVERTERS_ARMED(from) fake_first(&ADC1->CR, ADC_CR_JADSTART, ADC_CR_JADSTART, (from))
+#define ADC_ARMED(from) fake_first(&ADC1->CR, ADC_CR_JADSTART, ADC_CR_JADSTART, (from))
 #else
 #define BREAK_ACTIVE_HIGH 0u
-#define CONVERTERS_ARMED(from) fake_first(&ADC1->CR1, ADC_CR1_JEOCIE, ADC_CR1_JEOCIE, (from))
+#define ADC_ARMED(from) fake_first(&ADC1->CR1, ADC_CR1_JEOCIE, ADC_CR1_JEOCIE, (from))
 #endif
 #define PWM_CLOCK fake_first(&RCC->APB2ENR, RCC_APB2ENR_TIM1EN, RCC_APB2ENR_TIM1EN, 0)
 
@@ -280,7 +280,7 @@ static void test_start_arms_then_counts_and_leaves_the_gates_off(void) {
     TEST_ASSERT_EQUAL_INT(-1, fake_irq_enabled(18)); // masked until board_start()
     const int from = fake_count();
     board_start();
-    const int armed = CONVERTERS_ARMED(from);
+    const int armed = ADC_ARMED(from);
     const int counting = fake_first(&TIM1->CR1, TIM_CR1_CEN, TIM_CR1_CEN, from);
     TEST_ASSERT_TRUE(armed >= from && counting > armed);
     TEST_ASSERT_TRUE(fake_irq_enabled(18) > armed && fake_irq_enabled(18) <= counting);
@@ -344,7 +344,7 @@ static void test_trigger_is_the_update_and_nothing_hears_it_before_the_start(voi
     TEST_ASSERT_EQUAL_UINT32(ranks[0], (ADC1->JSQR >> 10) & 31u);
     TEST_ASSERT_EQUAL_UINT32(ranks[1], (ADC1->JSQR >> 15) & 31u);
 #endif
-    TEST_ASSERT_EQUAL_INT(-1, CONVERTERS_ARMED(0));
+    TEST_ASSERT_EQUAL_INT(-1, ADC_ARMED(0));
 }
 
 static void test_clock_that_does_not_come_keeps_everything_off(void) {

@@ -236,7 +236,7 @@ static void test_counters_and_dead_band(void) {
 }
 
 // At zero all low sides are on: the middle of the zero vector, where the shunts carry the currents.
-static void test_converters_are_triggered_at_zero_of_every_period(void) {
+static void test_adcs_are_triggered_at_zero_of_every_period(void) {
     TEST_ASSERT_TRUE(board_init(TRIP_A));
     TEST_ASSERT_EQUAL_UINT32(VARIANT_DOUBLE_UPDATE ? EPWM_SOC_TBCTR_ZERO_OR_PERIOD
                                                    : EPWM_SOC_TBCTR_ZERO,
@@ -658,7 +658,7 @@ int main(void) {
     RUN_TEST(test_start_enables_the_interrupt_then_counts_and_leaves_the_gates_off);
     RUN_TEST(test_clock_that_does_not_come_keeps_everything_off);
     RUN_TEST(test_counters_and_dead_band);
-    RUN_TEST(test_converters_are_triggered_at_zero_of_every_period);
+    RUN_TEST(test_adcs_are_triggered_at_zero_of_every_period);
     RUN_TEST(test_duties_become_compare_values);
     RUN_TEST(test_thresholds_on_both_sides);
     RUN_TEST(test_every_source_switches_all_six_off_and_latches);

@@ -246,7 +246,7 @@ static void model_clock(void) {
                                                           << RCC_CFGR_SWS_Pos;
 }
 
-static void model_converters(volatile uint32_t *reg, uint32_t before) {
+static void model_adcs(volatile uint32_t *reg, uint32_t before) {
 #ifdef CALIBRATED
     ADC_TypeDef *const adcs[] = {&fake_ADC1, &fake_ADC2};
     for (int n = 0; n < 2; n++) {
@@ -323,7 +323,7 @@ void fake_write(volatile uint32_t *reg, const char *name, uint32_t value) {
     *reg = value;
     model_timer(reg, before);
     model_clock();
-    model_converters(reg, before);
+    model_adcs(reg, before);
     model_serial(reg, value);
     model_pins(reg, value);
     model_syscfg(reg, before);

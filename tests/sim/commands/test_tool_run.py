@@ -313,7 +313,7 @@ f_pwm_Hz = 25000
 """}
 
 
-def quiet_converters(checks, folder):
+def quiet_adcs(checks, folder):
     for name, text in QUIET.items():
         (folder.path / f"{name}.ini").write_text(text)
         done = folder.run("run", "--motor", f"{name}.ini", "--set", "plant.i_noise_A=0", f"--json={name}.json")
@@ -421,7 +421,7 @@ def main():
         loads(checks, folder)
         hoists(checks, folder)
         truth_as_source(checks, folder)
-        quiet_converters(checks, folder)
+        quiet_adcs(checks, folder)
         six_phases(checks, folder)
         list_and_help(checks, folder)
         design(checks, folder)

@@ -123,9 +123,9 @@ def named(checks, folder):
 def told(checks, folder):
     """A speed that cannot be had is a failure, but not a silent one, where telemetry tells why; nor is it a fault."""
     arguments = ["monte-carlo", "run", "--motors", "jiang2022", "--errors", "wide", "--n", 1, "--seed", 5]
-    for settings, words in ((["--set", "speed.omega_min_rad_s=120"], "told: speed raised to the least, start"),
+    for settings, words in ((["--set", "speed.omega_min_rad_s=120"], "reported: speed raised to the least, start"),
                             (["--set", "plant.fan_Nm=8", "--set", "plant.fan_rpm=700"],
-                             "told: torque at its limit, speed not reached, to 50 % speed")):
+                             "reported: torque at its limit, speed not reached, to 50 % speed")):
         done = folder.run(*arguments, *settings)
         checks.true(words in done.stdout, f"{settings}: '{words}' in {done.stdout}")
         checks.true("silent:" not in done.stdout and "BAR MISSED: not every failure ended in a fault" in done.stdout, f"told: {done.stdout}")

@@ -16,7 +16,7 @@ static uint32_t start_word =
     ADC_CS_EN | ADC_CS_START_MANY | ((1u << CHIP_SAMPLES) - 1u) << ADC_CS_ROUND_Pos;
 static uint32_t deadline_word = PIN_SIO | PIN_OUT_LOW;
 
-bool chip_converter_init(void) {
+bool chip_adc_init(void) {
     for (uint32_t n = 0u; n < CHIP_SAMPLES; n++) {
         reg_write(PAD(FIRST_GPIO + n), PAD_ANALOG);
     }
@@ -34,12 +34,12 @@ static void channel(uint32_t n, const uint32_t *word, uint32_t to, uint32_t slic
     reg_write(DMA_CTRL(n), DMA_WORD_PER_WRAP(n, slice));
 }
 
-void chip_converter_arm(void) {
+void chip_adc_arm(void) {
     channel(TRIGGER_CHANNEL, &start_word, ADC_CS, CHIP_TRIGGER_SLICE);
     channel(DEADLINE_CHANNEL, &deadline_word, PIN_CTRL(VARIANT_ENABLE_GPIO), CHIP_DEADLINE_SLICE);
 }
 
-LODE_RAMFUNC bool chip_converter_take(uint16_t sample[CHIP_SAMPLES]) {
+LODE_RAMFUNC bool chip_adc_take(uint16_t sample[CHIP_SAMPLES]) {
     reg_write(ADC_CS, IDLE);
     const uint32_t status = reg_read(ADC_FCS);
     for (uint32_t n = 0u; n < CHIP_SAMPLES; n++) {
@@ -49,7 +49,7 @@ LODE_RAMFUNC bool chip_converter_take(uint16_t sample[CHIP_SAMPLES]) {
     return (status & ADC_FCS_OVER) == 0u && ADC_FCS_LEVEL(status) - CHIP_SAMPLES <= 1u;
 }
 
-LODE_RAMFUNC void chip_converter_rest(void) {
+LODE_RAMFUNC void chip_adc_rest(void) {
     uint32_t polls = 0u;
     while ((reg_read(ADC_CS) & ADC_CS_READY) == 0u && polls < REST_POLLS) {
         polls++;

@@ -60,7 +60,7 @@ static bool enable(ADC_TypeDef *adc) {
     return reg_await(&adc->ISR, ADC_ISR_ADRDY, ADC_ISR_ADRDY);
 }
 
-bool chip_converters_init(void) {
+bool chip_adc_init(void) {
     static const uint32_t ranks1[RANKS] = VARIANT_ADC1_RANKS;
     static const uint32_t ranks2[RANKS] = VARIANT_ADC2_RANKS;
     if (REG_READ(DBGMCU->IDCODE) >> 16 < REVISION_V) {
@@ -83,7 +83,7 @@ bool chip_converters_init(void) {
     return true;
 }
 
-void chip_converters_arm(void) {
-    chip_converters_acknowledge();
+void chip_adc_arm(void) {
+    chip_adc_acknowledge();
     REG_WRITE(ADC1->CR, ON | ADC_CR_JADSTART); // starts both
 }
