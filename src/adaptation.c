@@ -1,5 +1,6 @@
 #include "adaptation_machine.h"
-#include "drive_inline.h"
+#include "estimator_inline.h"
+#include "inverter_inline.h"
 #include "lag_inline.h"
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
 #include "drive_inline.h"
+#include "drive_slots_inline.h"
 
 #define TELEMETRY_TRIES 3
 #define MOVED_FLUX_MAX 0.35f // share of the flux that a step of the d current may move

@@ -1,6 +1,7 @@
 #include "lodestar/drive6.h"
 
 #include "drive_inline.h"
+#include "drive_slots_inline.h"
 #include "modulator6_inline.h"
 #include "open_phase_inline.h"
 #include "xy_inline.h"

@@ -1,6 +1,6 @@
 #include "lodestar/drive6.h"
 
-#include "drive_inline.h"
+#include "drive_parts.h"
 #include "open_phase_inline.h"
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
-#include "drive_inline.h"
+#include "drive_parts.h"
+#include "hfi_inline.h"
 
 #include <stddef.h>
 

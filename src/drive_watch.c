@@ -1,4 +1,5 @@
 #include "drive_inline.h"
+#include "drive_slots_inline.h"
 #include "open_phase_inline.h"
 #include "start_inline.h"
 

@@ -2,6 +2,7 @@
 #include "support/rig.h"
 
 #include "drive_inline.h"
+#include "drive_slots_inline.h"
 
 #include <complex.h>
 

@@ -5,6 +5,7 @@
 #include "support/rig.h"
 
 #include "drive_inline.h"
+#include "drive_slots_inline.h"
 #include "mode.h"
 #include "start_inline.h"
 

@@ -13,7 +13,7 @@ LAYERS = [
     ["sense", "inverter", "modulator", "modulator6", "xy",
      "open_phase", "emf", "pll", "lag", "notch", "hfi"],
     ["estimator", "current", "speed", "references", "start", "start_design", "start_parts", "fly", "guard", "plausibility", "signal_check"],
-    ["drive", "drive_config", "drive_watch", "mode", "mode_parts", "mode_idle", "mode_start",
+    ["drive", "drive_config", "drive_parts", "drive_slots", "drive_speed", "drive_watch", "mode", "mode_parts", "mode_idle", "mode_start",
      "mode_inject", "tuning_check"],
     ["adaptation", "adaptation_machine", "commission", "commission_machine", "commission_parts", "commission_sensors",
      "commission_resistance", "commission_inductances", "commission_run", "derate", "drive6", "drive6_config",
