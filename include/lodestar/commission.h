@@ -217,6 +217,9 @@ typedef struct {
     lode_commission_run_t way[2]; ///< results: up, down
 } lode_commission_t;
 
+// Its name tells what is left out of the build (options.h).
+#define lode_commission_init LODE_SYMBOL(lode_commission_init)
+
 /// Begins. `config` gives what is known: f_pwm, inverter and sense as for lode_drive_init(), and the motor values
 /// of the data sheet: R within 30 %, inductances within 20 %, flux within 10 %, dead time within 1.5 us, J within a
 /// factor of three. The commissioning runs its own drive in `drive`, on the two `tuning` in turn: one is in use while

@@ -21,6 +21,9 @@ typedef struct {
     lode_drive6_config_t config;  ///< the given configuration with what has been measured
 } lode_commission6_t;
 
+// Its name tells what is left out of the build (options.h).
+#define lode_commission6_init LODE_SYMBOL(lode_commission6_init)
+
 /// As lode_commission_init(). Lxy_H must be known within 40 %.
 lode_status_t lode_commission6_init(lode_commission6_t *self, lode_drive6_t *drive,
                                     lode_drive6_tuning_t tuning[2],

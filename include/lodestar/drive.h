@@ -16,6 +16,7 @@
 #include "lodestar/inverter.h"
 #include "lodestar/modulator.h"
 #include "lodestar/motor.h"
+#include "lodestar/options.h"
 #include "lodestar/plausibility.h"
 #include "lodestar/references.h"
 #include "lodestar/sense.h"
@@ -370,6 +371,10 @@ void lode_drive_design(lode_drive_config_t *config);
 /// of range (status.h); on any error `tuning` is left alone. Not for the interrupt; about 1.7 KB of stack
 /// (Cortex-M4F, gcc 12.2).
 lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_config_t *config);
+
+// Their names tell what is left out of the build (options.h).
+#define lode_drive_begin LODE_SYMBOL(lode_drive_begin)
+#define lode_drive_init LODE_SYMBOL(lode_drive_init)
 
 /// Initialises a drive in OFF on a tuning from lode_drive_tune(), which other drives may share. Errors: NULL;
 /// TUNING, a value is not finite. On any error the drive is left alone.

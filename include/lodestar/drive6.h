@@ -115,6 +115,10 @@ lode_motor_t lode_drive6_motor_alone(const lode_motor_t *motor, float Lxy_H);
 /// Not for the interrupt; about 3.7 KB of stack (Cortex-M4F, gcc 12.2).
 lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_config_t *config);
 
+// Their names tell what is left out of the build (options.h).
+#define lode_drive6_begin LODE_SYMBOL(lode_drive6_begin)
+#define lode_drive6_init LODE_SYMBOL(lode_drive6_init)
+
 /// Initialises a drive in OFF on a tuning from lode_drive6_tune(). Errors as lode_drive_begin().
 lode_status_t lode_drive6_begin(lode_drive6_t *self, const lode_drive6_tuning_t *tuning);
 

@@ -9,14 +9,11 @@
 #define LODESTAR_FLY_H
 
 #include "lodestar/inverter.h"
+#include "lodestar/options.h"
 #include "lodestar/start.h"
 
 #ifdef __cplusplus
 extern "C" {
-#endif
-
-#if defined(LODE_WITHOUT_PRECHARGE) && !defined(LODE_WITHOUT_FLYING_START)
-#define LODE_WITHOUT_FLYING_START
 #endif
 
 /// All that is derived from the configuration.

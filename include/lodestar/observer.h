@@ -7,6 +7,7 @@
 
 #include "lodestar/config.h"
 #include "lodestar/frames.h"
+#include "lodestar/options.h"
 #include "lodestar/status.h"
 
 #ifdef __cplusplus

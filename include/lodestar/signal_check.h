@@ -15,10 +15,6 @@
 extern "C" {
 #endif
 
-#if defined(LODE_WITHOUT_FLYING_START) && !defined(LODE_WITHOUT_SIGNAL_CHECK)
-#define LODE_WITHOUT_SIGNAL_CHECK
-#endif
-
 #define LODE_SIGNAL_PULSES 6u ///< pulses per set: in both directions of each phase axis
 
 /// All that is derived from the configuration. The "response" of a pulse is the current that it shows along its

@@ -9,7 +9,7 @@ LAYERS = [
     ["platform", "status", "version", "wire"],
     ["scalar", "frames", "config"],
     ["schedule"],
-    ["chopper", "motor", "pi", "ramp", "sogi", "observer", "vsd"],
+    ["chopper", "motor", "options", "pi", "ramp", "sogi", "observer", "vsd"],
     ["sense", "inverter", "modulator", "modulator6", "xy",
      "open_phase", "emf", "pll", "lag", "notch", "hfi"],
     ["estimator", "current", "speed", "references", "start", "start_design", "start_parts", "fly", "guard", "plausibility", "signal_check"],
