@@ -202,8 +202,9 @@ LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *w
     const uint32_t again = lode_plausibility_check(watch, i);
     const bool none = again == LODE_ALL_PHASES;
     const bool follows = may_follow(self, omega);
+    const bool by_reference = follows || none;
     // what the phases should show
-    const float i_A2 = squared(follows || none ? self->ref_A : self->i_A);
+    const float i_A2 = squared(by_reference ? self->ref_A : self->i_A);
     if (lode_plausibility_is_chance(watch, tuning, again, i_A2)) {
         return;
     }
