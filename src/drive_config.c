@@ -69,9 +69,7 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 #define FIRM_HANDOVER 0.15f
 #define FIRM_NEED 0.6f
 #define FIRM_LOST 0.2f
-#define FIRM_STOPS_s 0.0066f // (K15) within 10 ms, as for (K37)
-#define FIRM_LATEST                                                                                \
-    0.3f // of rated speed: a torque motor that hands over at half of it would only get torque ripple
+#define FIRM_STOPS_s 0.0066f // 2/e 2/3 over the 74 rad/s of (K37)
 #define SIGMA_TS_MAX 0.07f
 // ... and lower where the start current weakens the active flux, because an error of Lq - Ld then turns the angle. With MTPA
 // the d current moves with the torque, and such an error turns the angle twice; with half of the flux lost (the largest start
@@ -118,19 +116,18 @@ static float sigma_by_speed(const lode_drive_config_t *config) {
 }
 
 // (P29): an error of Lq - Ld hardly turns the angle, and a loop can hold a rated load at the hand-over.
-static bool gets_firm(const lode_drive_config_t *config) {
+static bool bears_more_sigma(const lode_drive_config_t *config) {
     const lode_motor_t *motor = &config->motor;
     const float lost_Wb = lode_abs(motor->Lq_H - motor->Ld_H) * config->start.current_A;
     const float handover_s =
         lode_motor_run_up_s(motor, config->inverter.i_max_A) * config->start.omega_handover_rad_s;
     return lost_Wb <= FIRM_LOST * motor->psi_Wb &&
-           config->start.omega_handover_rad_s <= FIRM_LATEST * motor->omega_rated_rad_s &&
            handover_s >= FIRM_STOPS_s * motor->omega_rated_rad_s;
 }
 
 // (P28), (P29): how many times more it allows at a late hand-over, if needed.
 static float late_times(const lode_drive_config_t *config) {
-    const bool firm = gets_firm(config);
+    const bool firm = bears_more_sigma(config);
     const float late = firm ? FIRM_HANDOVER : LATE_HANDOVER;
     const float by_handover = config->start.omega_handover_rad_s /
                               (late * lode_max(config->motor.omega_rated_rad_s, FLT_MIN));

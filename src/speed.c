@@ -37,7 +37,7 @@ typedef struct {
 static const light_t four_times = {0.75f, 4.9f};
 #define LIGHT_FED 2.7f
 #define LIGHT_GAIN_MARGIN 1.41f // 3 dB
-#define STOPPED_TIMES 1.35f     // margin
+#define STOPPED_TIMES 1.35f     // 1.2 as in (K18), and a margin
 // A rotor that a rated load stops within 10 ms: no loop holds that one.
 #define STOPPED_MAX_rad_s 74.0f
 

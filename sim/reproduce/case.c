@@ -178,10 +178,14 @@ static void choose_inverter(const case_t *what, rig_config_t *config) {
     if (what->inverter == CASE_IDEAL) {
         config->plant.inverter = PLANT_AVERAGED;
     }
-    // An ideal inverter needs no correction.
-    const bool corrected =
-        what->inverter == CASE_COMPENSATED && config->plant.inverter != (int)PLANT_AVERAGED;
-    config->drive.inverter.dead_time_correction = corrected ? LODE_ON : LODE_OFF;
+    lode_inverter_config_t *inverter = &config->drive.inverter;
+    // An ideal inverter needs no correction, and has no dead time that the drive could leave room for.
+    const bool ideal = config->plant.inverter == (int)PLANT_AVERAGED;
+    const bool corrected = what->inverter == CASE_COMPENSATED && !ideal;
+    inverter->dead_time_correction = corrected ? LODE_ON : LODE_OFF;
+    if (ideal) {
+        inverter->dead_time_s = inverter->v_drop_V = inverter->r_on_Ohm = 0.0f;
+    }
 }
 
 static bool describe(const case_t *what, const case_bases_t *bases, rig_config_t *config) {
