@@ -12,7 +12,7 @@
 #define MISSED 0.05f
 #define WOUND_UP 0.34f
 #define WINDS_UP 0.05f // with less of the current missed: the voltage rises slowly then
-#define ALONG 0.5f     // squared cosine of the angle from the missed current to the voltage
+#define ALONG 0.5f     // squared cosine of the angle from the control error to the voltage
 // A current that jumps (K38).
 #define VOLTAGE_JUMP 2.5f // times the change that the voltage makes
 #define TAKEN_JUMP 2.0f   // least current, times what dead time and drops may take from a phase
@@ -140,7 +140,7 @@ static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, u
     }
 }
 
-// The voltage acts along the missed current, within 45 degrees.
+// The voltage acts along the control error, within 45 degrees.
 static bool acts_along(lode_dq_t u_V, lode_dq_t error_A) {
     const float along = u_V.d * error_A.d + u_V.q * error_A.q;
     return along > 0.0f && along * along > ALONG * squared(u_V) * squared(error_A);

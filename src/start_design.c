@@ -150,9 +150,9 @@ static float unknown_V(const lode_motor_t *motor, const lode_inverter_config_t *
 
 // Voltage along the start current that is known, but neither corrected nor part of the observer's voltage (S12).
 static float left_out_V(const lode_inverter_config_t *inverter, float ts_s) {
-    const bool counts =
+    const bool known =
         inverter->dead_time_correction == LODE_ON || inverter->dead_time_model == LODE_ON;
-    return counts ? 0.0f : lost_V(inverter, inverter->dead_time_s, inverter->v_drop_V, ts_s);
+    return known ? 0.0f : lost_V(inverter, inverter->dead_time_s, inverter->v_drop_V, ts_s);
 }
 
 // Electrical speed at which i_max in a warm winding and the EMF use up the bus.
