@@ -2,6 +2,7 @@
 
 #include "estimator_inline.h"
 #include "inverter_inline.h"
+#include "start_inline.h"
 
 // The low sides short-circuit a rotor that turns: a fifth of a period limits its current, and is longer than any shunt
 // amplifier takes to settle.
@@ -172,7 +173,7 @@ static LODE_NOINLINE bool check_signals(lode_drive_t *self, const lode_sample_t 
 
 #ifndef LODE_WITHOUT_PRECHARGE
 
-// START after the check: a rotor configured as salient gets the vector ahead of its axis, if that is known (S40).
+// START after the check: a rotor that is surely salient gets the vector ahead of its axis, if that is known (S40).
 static LODE_NOINLINE void switch_on_ahead(lode_drive_t *self, lode_mode_t driven) {
 #ifdef LODE_WITHOUT_SIGNAL_CHECK
     lode_mode_switch_on(self, driven);
@@ -181,7 +182,7 @@ static LODE_NOINLINE void switch_on_ahead(lode_drive_t *self, lode_mode_t driven
     const lode_sincos_t axis = lode_signal_check_axis(&self->state.precharge.by.check);
     const bool known = lode_abs(axis.sin) + lode_abs(axis.cos) > 0.0f;
     lode_mode_switch_on(self, driven); // overwrites state.precharge
-    if (driven == LODE_MODE_START && known && motor->Lq_H * motor->inv_Ld > 1.0f) {
+    if (driven == LODE_MODE_START && known && motor->Lq_H * motor->inv_Ld >= LODE_SURELY_SALIENT) {
         lode_start_lead(&self->state.start, axis, self->command.speed_rad_s);
     }
 #endif

@@ -96,7 +96,9 @@ void lode_start_lead(lode_start_t *self, lode_sincos_t axis, float direction) {
 static float profile_rounds(const lode_start_t *self, const lode_start_tuning_t *tuning) {
     const float step = lode_start_ease(self) * tuning->omega_step;
     const float omega = lode_max(lode_abs(self->omega_target), tuning->omega_handover);
-    return tuning->still_rounds + omega / ((float)LODE_SLOW_PERIODS * step);
+    const float rise = tuning->current_A / tuning->current_step;
+    const float later = self->failed > 0u ? (1.0f / LODE_START_LATER_RISE - 1.0f) * rise : 0.0f;
+    return tuning->still_rounds + (omega / step + later) / (float)LODE_SLOW_PERIODS;
 }
 
 // Rounds for which an attempt waits for its lock after the profile (S9).

@@ -34,8 +34,8 @@
 #define STEEPENS 4.0f
 #define GENTLE_SHARE 0.46f // (ln 16 - 15/16)/4: share of its time that (S35) adds to a ramp
 #define RISE_TIME_s 0.2f
-// Current rise for a rotor without saliency, whose axis no pulse shows: RISE_rad radians of its swing, within these two
-// times. The vector sweeps past it, and the slower the vector the less a rotor with ten times its inertia swings (S29).
+// Current rise for a rotor whose axis no pulse shows: RISE_rad radians of its swing, within these two times. The vector
+// sweeps past it, and the slower the vector the less a rotor with ten times its inertia swings (S29).
 #define RISE_rad 35.0f
 #define RISE_TIME_MAX_s 0.4f
 #define DAMPING 0.5f
@@ -88,7 +88,8 @@ static float swing_rad_s(float current_A, const lode_motor_t *motor) {
 
 static float default_rise_s(const lode_motor_t *motor, float current_A) {
     const float swing = lode_max(swing_rad_s(current_A, motor), FLT_MIN);
-    const float most = motor->Lq_H > motor->Ld_H ? RISE_TIME_s : RISE_TIME_MAX_s;
+    const bool salient = motor->Lq_H >= LODE_SURELY_SALIENT * motor->Ld_H;
+    const float most = salient ? RISE_TIME_s : RISE_TIME_MAX_s;
     return lode_clamp(RISE_rad / swing, RISE_TIME_s, most);
 }
 
@@ -125,7 +126,8 @@ static float sweep_rad_s(const lode_start_config_t *config) {
 // (S9): the profile, and as long again, at least 0.4 s, for the rotor to settle and the lock to come.
 static float attempt_s(const lode_start_config_t *config, const lode_motor_t *motor, float ease) {
     const float ramps_s = ramp_s(config) / ease + gentle_s(config, motor);
-    const float profile_s = config->current_rise_s + dwell_s(config) + ramps_s + config->lock_s;
+    const float rise_s = config->current_rise_s / (ease < 1.0f ? LODE_START_LATER_RISE : 1.0f);
+    const float profile_s = rise_s + dwell_s(config) + ramps_s + config->lock_s;
     return profile_s + lode_max(profile_s, PATIENCE_s);
 }
 

@@ -17,6 +17,13 @@
 // phase axis, by 240 and by 60 degrees (S29).
 #define LODE_START_SWEEP_FIRST 4.0f
 
+// (S53): rate of current and sweep after an attempt that has failed, over that of the first one. The rotor probably has
+// several times the configured inertia.
+#define LODE_START_LATER_RISE 0.5f
+
+// Least Lq/Ld of a rotor whose saliency keeps its sign with both inductances 20 % off.
+#define LODE_SURELY_SALIENT 1.5f
+
 // Share of the ramp in the present attempt. The repeated last attempt is quicker: the rotor has followed the vector once.
 LODE_INLINE float lode_start_ease(const lode_start_t *self) {
     static const float share[] = {1.0f, LODE_START_EASE, LODE_START_EASE_LAST, LODE_START_EASE};
@@ -49,6 +56,7 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
     // The vector turns at speed once its current is reached and resistance and dead time are measured. While the
     // current rises at standstill the vector sweeps: a rotor that lies opposite to it would feel no torque, and one
     // that falls back to it is carried along (S29).
+    const float rate = self->failed > 0u ? LODE_START_LATER_RISE : 1.0f;
     float advance_rad = ts_s * self->omega_rad_s;
     if (!(self->current_A < self->current_target) &&
         !(self->stage < (uint_least8_t)LODE_START_TURN)) {
@@ -57,7 +65,7 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
         advance_rad = ts_s * self->omega_rad_s;
     } else if (self->current_A < self->current_target && !(lode_abs(self->omega_rad_s) > 0.0f) &&
                self->stands == 0u) {
-        advance_rad = lode_sign(self->omega_target) * tuning->sweep_step_rad;
+        advance_rad = lode_sign(self->omega_target) * rate * tuning->sweep_step_rad;
 #ifndef LODE_WITHOUT_START_MEASUREMENT
         if (self->stage == (uint_least8_t)LODE_START_HALF) {
             advance_rad *= LODE_START_SWEEP_FIRST;
@@ -67,7 +75,7 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
         // the vector rests for the measurement, stands ahead of the rotor, or keeps its speed while the current rises
     }
     self->current_A += lode_clamp(self->current_target - self->current_A, -tuning->current_step,
-                                  tuning->current_step);
+                                  rate * tuning->current_step);
     const lode_sincos_t half = lode_sincos_small(0.5f * advance_rad);
     self->at = lode_angle_add(self->at, lode_angle_double(half));
     // The EMF across the vector shows speed and angle of a swing, its magnitude only the speed. The magnitude is
