@@ -22,7 +22,7 @@
 // counts as in a rotor of this saliency, where it is 0.55 of Lq - Ld.
 #define LIGHT_UNSURE 0.36f
 // (S52): hand-over speed as a share of rated speed, over Lq i_max/psi.
-#define RELUCTANCE 0.05f
+#define RELUCTANCE 0.08f
 // Of rated or base speed: a higher hand-over would leave too little of the speed range.
 #define HANDOVER_SHARE_MAX 0.5f
 // Factor by which noise of the currents may raise the hand-over speed (S49). At much higher speed a rotor that slips
