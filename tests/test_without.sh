@@ -42,7 +42,7 @@ done
 
 # The same for every other option; init or lode_drive_post_command() says so.
 sources() {
-    ${CC:-cc} -std=c99 -O1 -Wall -Wextra -Wconversion -Werror -ffp-contract=off -fno-math-errno \
+    ${CC:-cc} -std=c99 -O0 -Wall -Wextra -Wconversion -Werror -ffp-contract=off -fno-math-errno \
         -I"$root/include" "$@" -x c - "$root"/src/*.c -lm -o "$object" << 'END'
 #include "lodestar/supervisor.h"
 #include <stdio.h>
