@@ -247,14 +247,14 @@ double complex joint_angle_response(const joint_t *joint, double complex z, doub
     return matrix_solve(joint->states, m, x) ? x[joint->pll] : NAN;
 }
 
-/// c (1 - A/z)^-1 g: the estimate's complex deviation.
+/// c (1 - A/z)^-1 g = z c (z - A)^-1 g: the estimate's complex deviation.
 static double complex drag(const joint_t *joint, double complex z) {
     const observer_t *o = &joint->observer;
     matrix_t m;
     double complex x[MATRIX_MAX];
     for (int i = 0; i < o->modes; ++i) {
         for (int k = 0; k < o->modes; ++k) {
-            m[i][k] = (i == k ? 1.0 : 0.0) - o->a[i][k] / z;
+            m[i][k] = (i == k ? z : 0.0) - o->a[i][k];
         }
         x[i] = joint->g[i];
     }
@@ -263,7 +263,7 @@ static double complex drag(const joint_t *joint, double complex z) {
     for (int i = 0; i < o->modes; ++i) {
         e += o->c[i] * x[i];
     }
-    return e;
+    return z * e;
 }
 
 double complex joint_speed_response(const joint_t *joint, double complex z) {

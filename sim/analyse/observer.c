@@ -116,13 +116,14 @@ observer_t observer_slope(const lode_observer_tuning_t *tuning, double ts_s, dou
     return only(&d, reached);
 }
 
+// c (1 - A/z)^-1 b as z c (z - A)^-1 b, which needs no division by z.
 double complex observer_response(const observer_t *observer, double complex z) {
     matrix_t m;
     double complex x[MATRIX_MAX];
     const int n = observer->modes;
     for (int i = 0; i < n; ++i) {
         for (int k = 0; k < n; ++k) {
-            m[i][k] = (i == k ? 1.0 : 0.0) - observer->a[i][k] / z;
+            m[i][k] = (i == k ? z : 0.0) - observer->a[i][k];
         }
         x[i] = observer->b[i];
     }
@@ -133,7 +134,7 @@ double complex observer_response(const observer_t *observer, double complex z) {
     for (int i = 0; i < n; ++i) {
         e += observer->c[i] * x[i];
     }
-    return e;
+    return z * e;
 }
 
 double complex observer_circuit(const lode_motor_t *motor, double ts_s, double omega_rad_s) {

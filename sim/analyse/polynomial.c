@@ -62,7 +62,7 @@ static void swap_rows_and_columns(int n, matrix_t a, int p, int q) {
 
 /// Subtracts row m times a factor from row i, and adds column i times that factor to column m.
 static void eliminate(int n, matrix_t a, int m, int i) {
-    const double complex f = a[i][m - 1] / a[m][m - 1];
+    const double complex f = quotient(a[i][m - 1], a[m][m - 1]);
     for (int j = 0; j < n; ++j) {
         a[i][j] -= f * a[m][j];
     }
@@ -98,7 +98,7 @@ static double complex wilkinson(matrix_t a, int last) {
     const double complex half = 0.5 * (p - q);
     const double complex root = csqrt(half * half + a[last - 1][last] * a[last][last - 1]);
     const double complex sum = creal(half * conj(root)) < 0.0 ? half - root : half + root;
-    return size_of(sum) > 0.0 ? q - a[last - 1][last] * a[last][last - 1] / sum : q;
+    return size_of(sum) > 0.0 ? q - quotient(a[last - 1][last] * a[last][last - 1], sum) : q;
 }
 
 /// One QR step on rows and columns first .. last: rotations from the left, then from the right.
@@ -109,9 +109,10 @@ static void qr_step(matrix_t a, int first, int last, double complex shift) {
         a[k][k] -= shift;
     }
     for (int k = first; k < last; ++k) {
-        const double length = hypot(cabs(a[k][k]), cabs(a[k + 1][k]));
-        const double complex turn = cabs(a[k][k]) > 0.0 ? a[k][k] / cabs(a[k][k]) : 1.0;
-        cosine[k] = length > 0.0 ? cabs(a[k][k]) / length : 1.0;
+        const double own = sqrt(squared_magnitude(a[k][k]));
+        const double length = sqrt(own * own + squared_magnitude(a[k + 1][k]));
+        const double complex turn = own > 0.0 ? a[k][k] / own : 1.0;
+        cosine[k] = length > 0.0 ? own / length : 1.0;
         sine[k] = length > 0.0 ? turn * conj(a[k + 1][k]) / length : 0.0;
         for (int j = k; j <= last; ++j) {
             const double complex up = a[k][j];
@@ -176,14 +177,16 @@ static bool pivot_row(int n, matrix_t a, double complex *b, int k) {
     for (int i = k + 1; i < n; ++i) {
         pivot = size_of(a[i][k]) > size_of(a[pivot][k]) ? i : pivot;
     }
-    for (int j = 0; j < n; ++j) {
-        const double complex kept = a[k][j];
-        a[k][j] = a[pivot][j];
-        a[pivot][j] = kept;
+    if (pivot != k) {
+        for (int j = k; j < n; ++j) { // zeros before that
+            const double complex kept = a[k][j];
+            a[k][j] = a[pivot][j];
+            a[pivot][j] = kept;
+        }
+        const double complex kept = b[k];
+        b[k] = b[pivot];
+        b[pivot] = kept;
     }
-    const double complex kept = b[k];
-    b[k] = b[pivot];
-    b[pivot] = kept;
     return size_of(a[k][k]) > 0.0;
 }
 
@@ -193,8 +196,8 @@ bool matrix_solve(int n, matrix_t a, double complex *b) {
             return false;
         }
         for (int i = k + 1; i < n; ++i) {
-            const double complex f = a[i][k] / a[k][k];
-            for (int j = k; j < n; ++j) {
+            const double complex f = quotient(a[i][k], a[k][k]);
+            for (int j = k + 1; j < n; ++j) { // column k is not read again
                 a[i][j] -= f * a[k][j];
             }
             b[i] -= f * b[k];
@@ -204,7 +207,7 @@ bool matrix_solve(int n, matrix_t a, double complex *b) {
         for (int j = k + 1; j < n; ++j) {
             b[k] -= a[k][j] * b[j];
         }
-        b[k] /= a[k][k];
+        b[k] = quotient(b[k], a[k][k]);
     }
     return true;
 }
