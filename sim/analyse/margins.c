@@ -5,6 +5,7 @@
 #include <stdbool.h>
 
 #include "analyse/joint.h"
+#include "analyse/polynomial.h"
 #include "observer_inline.h"
 #include "support/units.h"
 
@@ -24,7 +25,9 @@ typedef struct {
     bool emf_follows;      ///< the EMF follows the estimated angle; else the fed-back speed acts
     double sigma_of_notch; ///< sigma of its blending
     observer_t observer;
-    joint_t joint; ///< only its observer part
+    joint_t joint;          ///< only its observer part
+    double complex rho;     ///< exp(j w Ts), the EMF's turn over one period
+    double complex per_rho; ///< 1/H(rho)
 } loop_t;
 
 typedef struct {
@@ -44,24 +47,25 @@ static prediction_t predict(const loop_t *loop, double complex z) {
     const double l1 = loop->third_order ? 1.0 - s * s * s : 1.0 - s * s;
     const double l2 = (loop->third_order ? 1.5 * x * x * (1.0 + s) : x * x) / ts;
     const double l3 = loop->third_order ? x * x * x / (ts * ts) : 0.0;
-    const double complex d = z - 1.0;
-    const double complex x3 = l3 / d;
-    const double complex x2 = (l2 + ts * x3) / d;
-    const double complex x1 = (l1 + ts * x2 + 0.5 * ts * ts * x3) / d;
+    const double complex sum = quotient(1.0, z - 1.0);
+    const double complex x3 = l3 * sum;
+    const double complex x2 = (l2 + ts * x3) * sum;
+    const double complex x1 = (l1 + ts * x2 + 0.5 * ts * ts * x3) * sum;
     return (prediction_t){x1 + ts * x2 + 0.5 * ts * ts * x3, x2 + ts * x3};
 }
 
 // ---- The observer, tuned to the speed ---------------------------------------------------------------
 
-/// Its response to an oscillation of the EMF's angle with exp(j Omega Ts).
-static double complex angle_response(const loop_t *loop, double Omega_rad_s) {
-    const double w = loop->omega_rad_s;
-    const double ts = loop->ts_s;
-    const observer_t *o = &loop->observer;
-    const double complex carrier = observer_response(o, cexp(I * w * ts));
-    const double complex above = observer_response(o, cexp(I * (w + Omega_rad_s) * ts));
-    const double complex below = observer_response(o, cexp(I * (w - Omega_rad_s) * ts));
-    return 0.5 * (above / carrier + conj(below / carrier));
+/// exp(j x)
+static double complex turn(double x) {
+    return cos(x) + I * sin(x);
+}
+
+/// Its response to an oscillation of the EMF's angle with z = exp(j Omega Ts).
+static double complex angle_response(const loop_t *loop, double complex z) {
+    const double complex above = observer_response(&loop->observer, loop->rho * z);
+    const double complex below = observer_response(&loop->observer, loop->rho * conj(z));
+    return 0.5 * (above * loop->per_rho + conj(below * loop->per_rho));
 }
 
 /// Notch at a harmonic of the speed, blended in as the firmware does.
@@ -70,17 +74,18 @@ static double complex notch(const loop_t *loop, double order, double k, double c
     const double sigma_Ts = loop->sigma_of_notch * loop->ts_s;
     const double low = (double)LODE_NOTCH_LOW_SIGMA * sigma_Ts;
     const double high = (double)LODE_NOTCH_HIGH_SIGMA * sigma_Ts;
-    if (!(k > 0.0) || centre >= (double)LODE_SOGI_CENTRE_MAX_rad) {
+    if (!(k > 0.0) || centre <= low || centre >= (double)LODE_SOGI_CENTRE_MAX_rad) {
         return 1.0;
     }
-    const double weight = fmin(fmax((centre - low) / (high - low), 0.0), 1.0);
+    const double weight = fmin((centre - low) / (high - low), 1.0);
     const double al = 0.5 * k * sin(centre);
-    const double complex top = 1.0 - 2.0 * cos(centre) / z + 1.0 / (z * z);
-    return 1.0 + weight * (top / (top + al * (1.0 - 1.0 / (z * z))) - 1.0);
+    // z^2 - 2 cos z + 1 over itself plus al (z^2 - 1)
+    const double complex top = (z - 2.0 * cos(centre)) * z + 1.0;
+    return 1.0 + weight * (quotient(top, top + al * (z * z - 1.0)) - 1.0);
 }
 
 static double complex open_loop(const loop_t *loop, double Omega_rad_s) {
-    const double complex z = cexp(I * Omega_rad_s * loop->ts_s);
+    const double complex z = turn(Omega_rad_s * loop->ts_s);
     const prediction_t pll = predict(loop, z);
     if (loop->alone) {
         return pll.theta;
@@ -88,7 +93,7 @@ static double complex open_loop(const loop_t *loop, double Omega_rad_s) {
     const double complex filtered = notch(loop, 6.0, (double)loop->config->notch_k, z) *
                                     notch(loop, 12.0, (double)loop->config->notch12_k, z);
     if (loop->emf_follows) {
-        return filtered * pll.theta * angle_response(loop, Omega_rad_s);
+        return filtered * pll.theta * angle_response(loop, z);
     }
     return filtered * (pll.theta - joint_speed_response(&loop->joint, z) * pll.omega);
 }
@@ -108,7 +113,9 @@ static loop_t make_loop(const lode_drive_config_t *config, double omega_rad_s, d
         .third_order = config->estimator.pll.kind == LODE_PLL_LESO,
         .rotates = lode_observer_rotates(&observer),
         .observer = observer_make(&observer, ts_s, omega_rad_s),
+        .rho = turn(omega_rad_s * ts_s),
     };
+    loop.per_rho = quotient(1.0, observer_response(&loop.observer, loop.rho));
     joint_observer(&loop.joint, &observer, ts_s, omega_rad_s);
     return loop;
 }
@@ -120,16 +127,15 @@ static void note_crossings(sweep_t *found, double gain_before, double gain, doub
                            double phase, double Omega_rad_s) {
     const bool rises = phase_before < -RIG_PI && phase >= -RIG_PI;
     const bool falls = phase_before >= -RIG_PI && phase < -RIG_PI;
-    const double gain_dB = 20.0 * log10(gain);
     if (gain_before >= 1.0 && gain < 1.0) {
         found->crossover_rad_s = Omega_rad_s;
         found->phase_deg = rig_deg_from_rad(phase + RIG_PI);
     }
     if (rises && gain > 1.0) {
-        found->gain_down_dB = gain_dB;
+        found->gain_down_dB = 20.0 * log10(gain);
     }
     if (falls && gain < 1.0 && isnan(found->gain_up_dB)) {
-        found->gain_up_dB = -gain_dB;
+        found->gain_up_dB = -20.0 * log10(gain);
     }
     if (gain > 1.0) {
         found->turns -= rises ? 1 : 0;
@@ -148,14 +154,17 @@ static sweep_t sweep(const loop_t *loop, int points) {
     double phase = loop->third_order ? -1.5 * RIG_PI : -RIG_PI;
     phase += remainder(carg(before) - phase, 2.0 * RIG_PI);
     found.turns = phase < -RIG_PI ? 1 : 0;
+    double gain_before = sqrt(squared_magnitude(before));
     double Omega = low;
     for (int k = 0; k < points - 1; ++k) {
         Omega *= ratio;
         const double complex now = open_loop(loop, Omega);
+        const double gain = sqrt(squared_magnitude(now));
         const double phase_before = phase;
-        phase += carg(now / before);
-        note_crossings(&found, cabs(before), cabs(now), phase_before, phase, Omega);
+        phase += carg(now * conj(before));
+        note_crossings(&found, gain_before, gain, phase_before, phase, Omega);
         before = now;
+        gain_before = gain;
     }
     return found;
 }
@@ -238,11 +247,11 @@ void margins_speed_response(const lode_drive_config_t *config, double omega_rad_
     const loop_t loop = loop_at_speed(config, omega_rad_s);
     for (int k = 0; k < count; ++k) {
         const double Omega = Omega_rad_s[k];
-        const double complex z = cexp(I * Omega * loop.ts_s);
+        const double complex z = turn(Omega * loop.ts_s);
         const double complex filtered = notch(&loop, 6.0, (double)loop.config->notch_k, z) *
                                         notch(&loop, 12.0, (double)loop.config->notch12_k, z);
         // An oscillation of the speed with amplitude 1 is one of the angle with amplitude 1/(j Omega).
-        const double complex seen = filtered * angle_response(&loop, Omega) / (I * Omega);
+        const double complex seen = filtered * angle_response(&loop, z) / (I * Omega);
         value[k] = predict(&loop, z).omega * seen / (1.0 + open_loop(&loop, Omega));
     }
 }
