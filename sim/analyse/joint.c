@@ -66,18 +66,23 @@ static void place_gains(joint_t *j, const lode_pll_tuning_t *pll, double omega_r
     j->l3 = j->third_order ? x * x * x / (ts * ts) : 0.0;
 }
 
+void joint_retune(joint_t *joint, const lode_estimator_tuning_t *tuning, double omega_rad_s) {
+    joint_t *j = joint;
+    place_gains(j, &tuning->pll, omega_rad_s);
+    j->notch[0] = make_notch(&tuning->notch, (double)tuning->notch.k, omega_rad_s);
+    j->notch[1] = make_notch(&tuning->notch, (double)tuning->notch12_k, 2.0 * omega_rad_s);
+    j->states = j->pll + 2 + (j->third_order ? 1 : 0) + (j->filtered ? 1 : 0);
+    for (int k = 0; k < JOINT_NOTCHES; ++k) {
+        j->states += j->notch[k].on ? 2 : 0;
+    }
+}
+
 joint_t joint_make(const lode_estimator_tuning_t *tuning, double omega_rad_s) {
     joint_t j = {.ts_s = (double)tuning->pll.ts_s, .w_weight = (double)tuning->w_weight};
-    place_gains(&j, &tuning->pll, omega_rad_s);
     joint_observer(&j, &tuning->emf.observer, j.ts_s, omega_rad_s);
     j.filtered = j.w_weight < 1.0;
-    j.notch[0] = make_notch(&tuning->notch, (double)tuning->notch.k, omega_rad_s);
-    j.notch[1] = make_notch(&tuning->notch, (double)tuning->notch12_k, 2.0 * omega_rad_s);
     j.pll = 2 * j.observer.modes;
-    j.states = j.pll + 2 + (j.third_order ? 1 : 0) + (j.filtered ? 1 : 0);
-    for (int k = 0; k < JOINT_NOTCHES; ++k) {
-        j.states += j.notch[k].on ? 2 : 0;
-    }
+    joint_retune(&j, tuning, omega_rad_s);
     return j;
 }
 

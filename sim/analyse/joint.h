@@ -38,6 +38,9 @@ typedef struct {
 /// The loop at the electrical speed given.
 joint_t joint_make(const lode_estimator_tuning_t *tuning, double omega_rad_s);
 
+/// The same loop with the PLL and the notches of another tuning; its observer is kept.
+void joint_retune(joint_t *joint, const lode_estimator_tuning_t *tuning, double omega_rad_s);
+
 /// Only the observer part of `joint`: sufficient for joint_speed_response().
 void joint_observer(joint_t *joint, const lode_observer_tuning_t *tuning, double ts_s,
                     double omega_rad_s);

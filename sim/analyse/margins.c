@@ -98,8 +98,13 @@ static double complex open_loop(const loop_t *loop, double Omega_rad_s) {
     return filtered * (pll.theta - joint_speed_response(&loop->joint, z) * pll.omega);
 }
 
-static loop_t make_loop(const lode_drive_config_t *config, double omega_rad_s, double sigma_rad_s,
-                        double sigma_of_notch) {
+static void set_sigma(loop_t *loop, double sigma_rad_s, double sigma_of_notch) {
+    loop->s = exp(-sigma_rad_s * loop->ts_s);
+    loop->sigma_of_notch = sigma_of_notch;
+}
+
+/// With sigma as it is scheduled at this speed.
+static loop_t make_loop(const lode_drive_config_t *config, double omega_rad_s) {
     const double ts_s = 1.0 / (double)config->f_pwm_Hz;
     lode_observer_tuning_t observer = {.kind = (uint32_t)config->estimator.emf.kind};
     (void)lode_observer_tune(&observer, &config->estimator.emf, config->motor.omega_rated_rad_s,
@@ -108,8 +113,6 @@ static loop_t make_loop(const lode_drive_config_t *config, double omega_rad_s, d
         .config = &config->estimator,
         .ts_s = ts_s,
         .omega_rad_s = omega_rad_s,
-        .s = exp(-sigma_rad_s * ts_s),
-        .sigma_of_notch = sigma_of_notch,
         .third_order = config->estimator.pll.kind == LODE_PLL_LESO,
         .rotates = lode_observer_rotates(&observer),
         .observer = observer_make(&observer, ts_s, omega_rad_s),
@@ -117,6 +120,8 @@ static loop_t make_loop(const lode_drive_config_t *config, double omega_rad_s, d
     };
     loop.per_rho = quotient(1.0, observer_response(&loop.observer, loop.rho));
     joint_observer(&loop.joint, &observer, ts_s, omega_rad_s);
+    set_sigma(&loop, margins_sigma(&config->estimator.pll, omega_rad_s, ts_s),
+              (double)config->estimator.pll.sigma_rad_s);
     return loop;
 }
 
@@ -170,17 +175,17 @@ static sweep_t sweep(const loop_t *loop, int points) {
 }
 
 /// Nyquist: the phase that the integrators turn below -180 degrees must return above unity gain.
-static bool is_stable(const lode_drive_config_t *config, double omega_rad_s, double sigma_rad_s) {
-    loop_t loop = make_loop(config, omega_rad_s, sigma_rad_s, sigma_rad_s);
-    loop.emf_follows = !loop.rotates;
-    return sweep(&loop, POINTS_COARSE).turns == 0;
+static bool is_stable(loop_t *loop, double sigma_rad_s) {
+    set_sigma(loop, sigma_rad_s, sigma_rad_s);
+    return sweep(loop, POINTS_COARSE).turns == 0;
 }
 
 /// The lowest unstable sigma; NaN if there is none in a sensible range.
-static double find_sigma_limit(const lode_drive_config_t *config, double omega_rad_s) {
-    const double last = SIGMA_TS_MAX * (double)config->f_pwm_Hz;
+static double find_sigma_limit(const loop_t *scheduled) {
+    loop_t loop = *scheduled;
+    const double last = SIGMA_TS_MAX / loop.ts_s;
     double high = 1.0;
-    while (high < last && is_stable(config, omega_rad_s, high)) {
+    while (high < last && is_stable(&loop, high)) {
         high *= SCAN_RATIO;
     }
     if (high >= last) {
@@ -189,7 +194,7 @@ static double find_sigma_limit(const lode_drive_config_t *config, double omega_r
     double low = high / SCAN_RATIO;
     for (int k = 0; k < BISECTIONS; ++k) {
         const double middle = 0.5 * (low + high);
-        if (is_stable(config, omega_rad_s, middle)) {
+        if (is_stable(&loop, middle)) {
             low = middle;
         } else {
             high = middle;
@@ -208,33 +213,32 @@ double margins_sigma(const lode_pll_config_t *pll, double omega_rad_s, double ts
 }
 
 margins_t margins_at(const lode_drive_config_t *config, double omega_rad_s) {
-    const double ts_s = 1.0 / (double)config->f_pwm_Hz;
-    const double sigma = margins_sigma(&config->estimator.pll, omega_rad_s, ts_s);
-    loop_t loop = make_loop(config, omega_rad_s, sigma, (double)config->estimator.pll.sigma_rad_s);
+    loop_t loop = make_loop(config, omega_rad_s);
     loop.emf_follows = !loop.rotates;
     const sweep_t whole = sweep(&loop, POINTS);
+    const double sigma_limit_rad_s = find_sigma_limit(&loop);
     loop.alone = true;
     const sweep_t alone = sweep(&loop, POINTS);
     return (margins_t){
-        .sigma_rad_s = sigma,
+        .sigma_rad_s = margins_sigma(&config->estimator.pll, omega_rad_s, loop.ts_s),
         .crossover_rad_s = alone.crossover_rad_s,
         .phase_alone_deg = alone.phase_deg,
         .phase_deg = whole.phase_deg,
         .gain_up_dB = whole.gain_up_dB,
         .gain_down_dB = whole.gain_down_dB,
-        .sigma_limit_rad_s = find_sigma_limit(config, omega_rad_s),
+        .sigma_limit_rad_s = sigma_limit_rad_s,
     };
 }
 
-static loop_t loop_at_speed(const lode_drive_config_t *config, double omega_rad_s) {
-    const double ts_s = 1.0 / (double)config->f_pwm_Hz;
-    const double sigma = margins_sigma(&config->estimator.pll, omega_rad_s, ts_s);
-    return make_loop(config, omega_rad_s, sigma, (double)config->estimator.pll.sigma_rad_s);
+double margins_phase_deg(const lode_drive_config_t *config, double omega_rad_s) {
+    loop_t loop = make_loop(config, omega_rad_s);
+    loop.emf_follows = !loop.rotates;
+    return sweep(&loop, POINTS).phase_deg;
 }
 
 void margins_open_loop(const lode_drive_config_t *config, bool alone, double omega_rad_s, int count,
                        const double *Omega_rad_s, double complex *value) {
-    loop_t loop = loop_at_speed(config, omega_rad_s);
+    loop_t loop = make_loop(config, omega_rad_s);
     loop.alone = alone;
     loop.emf_follows = !loop.rotates;
     for (int k = 0; k < count; ++k) {
@@ -244,7 +248,7 @@ void margins_open_loop(const lode_drive_config_t *config, bool alone, double ome
 
 void margins_speed_response(const lode_drive_config_t *config, double omega_rad_s, int count,
                             const double *Omega_rad_s, double complex *value) {
-    const loop_t loop = loop_at_speed(config, omega_rad_s);
+    const loop_t loop = make_loop(config, omega_rad_s);
     for (int k = 0; k < count; ++k) {
         const double Omega = Omega_rad_s[k];
         const double complex z = turn(Omega * loop.ts_s);

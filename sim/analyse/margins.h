@@ -29,6 +29,9 @@ typedef struct {
 /// Margins at the electrical speed `omega_rad_s`, with sigma as it is scheduled there.
 margins_t margins_at(const lode_drive_config_t *config, double omega_rad_s);
 
+/// Its phase_deg alone, a tenth of the work.
+double margins_phase_deg(const lode_drive_config_t *config, double omega_rad_s);
+
 /// The open loop of the PLL at this electrical speed, at the frequencies given, in the rotor's frame: alone, or
 /// with observer and notches.
 void margins_open_loop(const lode_drive_config_t *config, bool alone, double omega_rad_s, int count,

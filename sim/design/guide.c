@@ -12,7 +12,8 @@
 #define NOISE_SIGMAS 3.0
 #define CANDIDATE_RATIO 1.02
 #define FLAT 1.1 // the sum's minimum is flat: the smallest k2 within this factor of it is as good
-enum { BISECTIONS = 50 };
+// F_PWM_MAX_Hz in steps of CANDIDATE_RATIO: less than this many
+enum { BISECTIONS = 50, CANDIDATES_MAX = 640 };
 
 typedef struct {
     const guide_t *guide;
@@ -175,16 +176,20 @@ bool guide_fits(const guide_row_t *row) {
 
 /// The smallest stable and well damped k2 whose sum of errors is near the minimum.
 static double recommend(const task_t *task, double most_rad_s) {
-    const double first = fmax(1.0, task->guide->sigma_rad_s);
+    double k2[CANDIDATES_MAX];
+    double total_deg[CANDIDATES_MAX]; // infinite where it does not fit
     double least = HUGE_VAL;
-    for (double k2 = first; k2 <= most_rad_s; k2 *= CANDIDATE_RATIO) {
-        const guide_row_t row = evaluate(task, k2);
-        least = guide_fits(&row) ? fmin(least, row.total_deg) : least;
+    int count = 0;
+    for (double next = fmax(1.0, task->guide->sigma_rad_s);
+         next <= most_rad_s && count < CANDIDATES_MAX; next *= CANDIDATE_RATIO) {
+        const guide_row_t row = evaluate(task, next);
+        k2[count] = next;
+        total_deg[count] = guide_fits(&row) ? row.total_deg : HUGE_VAL;
+        least = fmin(least, total_deg[count++]);
     }
-    for (double k2 = first; k2 <= most_rad_s; k2 *= CANDIDATE_RATIO) {
-        const guide_row_t row = evaluate(task, k2);
-        if (guide_fits(&row) && row.total_deg <= FLAT * least) {
-            return k2;
+    for (int k = 0; k < count; ++k) {
+        if (total_deg[k] < HUGE_VAL && total_deg[k] <= FLAT * least) {
+            return k2[k];
         }
     }
     return NAN;

@@ -83,30 +83,28 @@ static void observer_limits(limits_t *limits, const lode_drive_config_t *drive) 
     // The speed at which 6 w is 8 sigma.
     trial.estimator.notch_k = (float)PAPER_K;
     limits->w0_margin_notch_deg =
-        margins_at(&trial, (double)LODE_NOTCH_HIGH_SIGMA * sigma / 6.0).phase_deg;
+        margins_phase_deg(&trial, (double)LODE_NOTCH_HIGH_SIGMA * sigma / 6.0);
 }
 
 // ---- GI-LESO ----------------------------------------------------------------------------------------
 
-static bool gi_unstable(const lode_estimator_tuning_t *tuning, double omega, double sigma) {
-    const lode_estimator_tuning_t t = joint_with_sigma(tuning, sigma);
-    const joint_t joint = joint_make(&t, omega);
-    return !(joint_radius(&joint) < 1.0);
-}
-
-/// The least sigma up to w0/5 that is unstable at some speed.
+/// The least sigma up to w0/5 that is unstable at some speed, the lowest such speed.
 static double gi_limit(const lode_estimator_tuning_t *tuning, double most, double omega_max,
                        double *where) {
-    for (double sigma = 5.0; sigma <= most; sigma *= SIGMA_RATIO) {
-        for (double omega = 0.01 * omega_max; omega <= omega_max; omega *= OMEGA_RATIO) {
-            if (gi_unstable(tuning, omega, sigma)) {
+    double least = NAN;
+    *where = NAN;
+    for (double omega = 0.01 * omega_max; omega <= omega_max; omega *= OMEGA_RATIO) {
+        joint_t joint = joint_make(tuning, omega);
+        for (double sigma = 5.0; sigma <= most && !(sigma >= least); sigma *= SIGMA_RATIO) {
+            const lode_estimator_tuning_t t = joint_with_sigma(tuning, sigma);
+            joint_retune(&joint, &t, omega);
+            if (!(joint_radius(&joint) < 1.0)) {
+                least = sigma;
                 *where = omega;
-                return sigma;
             }
         }
     }
-    *where = NAN;
-    return NAN;
+    return least;
 }
 
 static void gi_limits(limits_t *limits, const lode_drive_config_t *drive) {
