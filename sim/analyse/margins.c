@@ -98,6 +98,25 @@ static double complex open_loop(const loop_t *loop, double Omega_rad_s) {
     return filtered * (pll.theta - joint_speed_response(&loop->joint, z) * pll.omega);
 }
 
+/// No gain at this or a higher frequency is larger. z - 1 becomes longer with the frequency and only divides
+/// positive gains in predict(); a notch passes at most all.
+static double most_gain(const loop_t *loop, double peak, double Omega_rad_s) {
+    const prediction_t pll = predict(loop, 1.0 + 2.0 * sin(0.5 * Omega_rad_s * loop->ts_s));
+    return creal(pll.theta) * (loop->emf_follows ? peak : 1.0) +
+           creal(pll.omega) * (loop->emf_follows ? 0.0 : peak);
+}
+
+/// A frequency from which on the gain is below 1, or half the sampling frequency.
+static double end_of_gain(const loop_t *loop, double peak) {
+    double low = 0.0;
+    double high = RIG_PI / loop->ts_s;
+    for (int k = 0; k < BISECTIONS; ++k) {
+        const double middle = 0.5 * (low + high);
+        *(most_gain(loop, peak, middle) < 1.0 ? &high : &low) = middle;
+    }
+    return high;
+}
+
 static void set_sigma(loop_t *loop, double sigma_rad_s, double sigma_of_notch) {
     loop->s = exp(-sigma_rad_s * loop->ts_s);
     loop->sigma_of_notch = sigma_of_notch;
@@ -148,8 +167,8 @@ static void note_crossings(sweep_t *found, double gain_before, double gain, doub
     }
 }
 
-/// Goes up in frequency; the last crossing of unity gain counts.
-static sweep_t sweep(const loop_t *loop, int points) {
+/// Goes up in frequency, not beyond `to`; the last crossing of unity gain counts.
+static sweep_t sweep(const loop_t *loop, int points, double to_rad_s) {
     const double sigma = -log(loop->s) / loop->ts_s;
     const double low = SWEEP_FROM_SIGMA * sigma;
     const double ratio = pow(RIG_PI / (loop->ts_s * low), 1.0 / points);
@@ -160,9 +179,8 @@ static sweep_t sweep(const loop_t *loop, int points) {
     phase += remainder(carg(before) - phase, 2.0 * RIG_PI);
     found.turns = phase < -RIG_PI ? 1 : 0;
     double gain_before = sqrt(squared_magnitude(before));
-    double Omega = low;
-    for (int k = 0; k < points - 1; ++k) {
-        Omega *= ratio;
+    double Omega = low * ratio;
+    for (int k = 0; k < points - 1 && Omega <= to_rad_s; ++k, Omega *= ratio) {
         const double complex now = open_loop(loop, Omega);
         const double gain = sqrt(squared_magnitude(now));
         const double phase_before = phase;
@@ -175,17 +193,20 @@ static sweep_t sweep(const loop_t *loop, int points) {
 }
 
 /// Nyquist: the phase that the integrators turn below -180 degrees must return above unity gain.
-static bool is_stable(loop_t *loop, double sigma_rad_s) {
+static bool is_stable(loop_t *loop, double peak, double sigma_rad_s) {
     set_sigma(loop, sigma_rad_s, sigma_rad_s);
-    return sweep(loop, POINTS_COARSE).turns == 0;
+    return sweep(loop, POINTS_COARSE, end_of_gain(loop, peak)).turns == 0;
 }
 
 /// The lowest unstable sigma; NaN if there is none in a sensible range.
 static double find_sigma_limit(const loop_t *scheduled) {
     loop_t loop = *scheduled;
+    const double peak = loop.emf_follows ? observer_peak(&loop.observer, loop.observer.b) *
+                                               sqrt(squared_magnitude(loop.per_rho))
+                                         : observer_peak(&loop.joint.observer, loop.joint.g);
     const double last = SIGMA_TS_MAX / loop.ts_s;
     double high = 1.0;
-    while (high < last && is_stable(&loop, high)) {
+    while (high < last && is_stable(&loop, peak, high)) {
         high *= SCAN_RATIO;
     }
     if (high >= last) {
@@ -194,7 +215,7 @@ static double find_sigma_limit(const loop_t *scheduled) {
     double low = high / SCAN_RATIO;
     for (int k = 0; k < BISECTIONS; ++k) {
         const double middle = 0.5 * (low + high);
-        if (is_stable(&loop, middle)) {
+        if (is_stable(&loop, peak, middle)) {
             low = middle;
         } else {
             high = middle;
@@ -215,10 +236,10 @@ double margins_sigma(const lode_pll_config_t *pll, double omega_rad_s, double ts
 margins_t margins_at(const lode_drive_config_t *config, double omega_rad_s) {
     loop_t loop = make_loop(config, omega_rad_s);
     loop.emf_follows = !loop.rotates;
-    const sweep_t whole = sweep(&loop, POINTS);
+    const sweep_t whole = sweep(&loop, POINTS, HUGE_VAL);
     const double sigma_limit_rad_s = find_sigma_limit(&loop);
     loop.alone = true;
-    const sweep_t alone = sweep(&loop, POINTS);
+    const sweep_t alone = sweep(&loop, POINTS, HUGE_VAL);
     return (margins_t){
         .sigma_rad_s = margins_sigma(&config->estimator.pll, omega_rad_s, loop.ts_s),
         .crossover_rad_s = alone.crossover_rad_s,
@@ -233,7 +254,7 @@ margins_t margins_at(const lode_drive_config_t *config, double omega_rad_s) {
 double margins_phase_deg(const lode_drive_config_t *config, double omega_rad_s) {
     loop_t loop = make_loop(config, omega_rad_s);
     loop.emf_follows = !loop.rotates;
-    return sweep(&loop, POINTS).phase_deg;
+    return sweep(&loop, POINTS, HUGE_VAL).phase_deg;
 }
 
 void margins_open_loop(const lode_drive_config_t *config, bool alone, double omega_rad_s, int count,

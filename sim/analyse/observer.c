@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <string.h>
 
 #include "analyse/polynomial.h"
 #include "emf_inline.h"
@@ -10,6 +11,8 @@
 // more than this angle of a period, where its fourth-order differences are good to 1e-7.
 #define SLOPE_SHARE 0.05
 #define SLOPE_MAX_rad 0.01
+#define SETTLED 1.0e-9
+enum { SETTLE_MAX = 10000 }; // periods
 
 static const int vectors_of[] = {
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers) vectors,
@@ -135,6 +138,35 @@ double complex observer_response(const observer_t *observer, double complex z) {
         e += observer->c[i] * x[i];
     }
     return z * e;
+}
+
+double observer_peak(const observer_t *observer, const double complex *input) {
+    const int n = observer->modes;
+    double complex x[OBSERVER_MODES_MAX];
+    double sum = 0.0;
+    double largest = 0.0;
+    for (int i = 0; i < n; ++i) {
+        x[i] = input[i];
+    }
+    for (int step = 0; step < SETTLE_MAX; ++step) {
+        double complex e = 0.0;
+        double size = 0.0;
+        double complex next[OBSERVER_MODES_MAX] = {0.0};
+        for (int i = 0; i < n; ++i) {
+            e += observer->c[i] * x[i];
+            size += cabs(x[i]);
+            for (int k = 0; k < n; ++k) {
+                next[i] += observer->a[i][k] * x[k];
+            }
+        }
+        sum += cabs(e);
+        largest = fmax(largest, size);
+        if (size <= SETTLED * largest) {
+            return sum + SETTLE_MAX * SETTLED * largest; // more than what is still to come
+        }
+        memcpy(x, next, sizeof x);
+    }
+    return HUGE_VAL;
 }
 
 double complex observer_circuit(const lode_motor_t *motor, double ts_s, double omega_rad_s) {

@@ -27,6 +27,10 @@ observer_t observer_slope(const lode_observer_tuning_t *tuning, double ts_s, dou
 /// e/m at z, in the stationary frame: z = exp(j w Ts) is a vector that turns with w.
 double complex observer_response(const observer_t *observer, double complex z);
 
+/// No response c (1 - A/z)^-1 x on the unit circle is larger: the sum of |c A^k x|, x being the input given.
+/// Infinite if that does not settle.
+double observer_peak(const observer_t *observer, const double complex *input);
+
 /// m/e(t_k) for an EMF that turns with `omega_rad_s`: the exact R-Lq circuit over one period.
 double complex observer_circuit(const lode_motor_t *motor, double ts_s, double omega_rad_s);
 
