@@ -2,8 +2,13 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "analyse/polynomial.h"
+
+enum { SQUARINGS = 20 }; // up to a million periods
+
+typedef double square_t[JOINT_STATES_MAX][JOINT_STATES_MAX];
 
 // ---- Making it ----------------------------------------------------------------------------------
 
@@ -168,8 +173,8 @@ void joint_step(const joint_t *joint, const joint_input_t *input, const double *
 
 // ---- What follows -------------------------------------------------------------------------------
 
-/// (M - 1)/Ts, with eigenvalues close to those of the continuous loop.
-static void slope_matrix(const joint_t *j, matrix_t m) {
+/// The motion over one period.
+static void motion(const joint_t *j, square_t m) {
     const joint_input_t none = {0.0, 0.0};
     for (int k = 0; k < j->states; ++k) {
         double from[JOINT_STATES_MAX] = {0.0};
@@ -177,7 +182,18 @@ static void slope_matrix(const joint_t *j, matrix_t m) {
         from[k] = 1.0;
         joint_step(j, &none, from, to);
         for (int i = 0; i < j->states; ++i) {
-            m[i][k] = (to[i] - from[i]) / j->ts_s;
+            m[i][k] = to[i];
+        }
+    }
+}
+
+/// (M - 1)/Ts, with eigenvalues close to those of the continuous loop.
+static void slope_matrix(const joint_t *j, matrix_t slope) {
+    square_t m;
+    motion(j, m);
+    for (int i = 0; i < j->states; ++i) {
+        for (int k = 0; k < j->states; ++k) {
+            slope[i][k] = (m[i][k] - (i == k ? 1.0 : 0.0)) / j->ts_s;
         }
     }
 }
@@ -229,6 +245,57 @@ double joint_radius(const joint_t *joint) {
         radius = fmax(radius, cabs(1.0 + joint->ts_s * values[k]));
     }
     return radius;
+}
+
+static void square(int n, square_t m) {
+    square_t from;
+    memcpy(from, m, sizeof from);
+    for (int i = 0; i < n; ++i) {
+        for (int k = 0; k < n; ++k) {
+            m[i][k] = 0.0;
+            for (int j = 0; j < n; ++j) {
+                m[i][k] += from[i][j] * from[j][k];
+            }
+        }
+    }
+}
+
+/// The largest sum of a row's magnitudes.
+static double norm_of(int n, square_t m) {
+    double norm = 0.0;
+    for (int i = 0; i < n; ++i) {
+        double sum = 0.0;
+        for (int k = 0; k < n; ++k) {
+            sum += fabs(m[i][k]);
+        }
+        norm = fmax(norm, sum);
+    }
+    return norm;
+}
+
+static double trace_of(int n, square_t m) {
+    double sum = 0.0;
+    for (int k = 0; k < n; ++k) {
+        sum += m[k][k];
+    }
+    return sum;
+}
+
+// No |z|^p is above the norm of M^p, and the sum of all z^p is its trace.
+bool joint_is_stable(const joint_t *joint) {
+    const int n = joint->states;
+    square_t m = {{0.0}};
+    motion(joint, m);
+    for (int k = 0; k < SQUARINGS; ++k) {
+        if (norm_of(n, m) < 1.0) {
+            return true;
+        }
+        if (fabs(trace_of(n, m)) > n) {
+            return false;
+        }
+        square(n, m);
+    }
+    return joint_radius(joint) < 1.0;
 }
 
 double complex joint_angle_response(const joint_t *joint, double complex z, double complex along,

@@ -69,6 +69,9 @@ int joint_poles(const joint_t *joint, double complex *poles);
 /// Largest |z|; NaN if it cannot be computed.
 double joint_radius(const joint_t *joint);
 
+/// The largest |z| is below 1. Takes less time than joint_radius() unless it is very close to 1.
+bool joint_is_stable(const joint_t *joint);
+
 /// Damping of a pole: -Re/|.|
 double joint_damping(double complex pole);
 

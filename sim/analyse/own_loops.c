@@ -134,7 +134,7 @@ static void note_margins(analyse_loop_t *row, const double *Omega, const double 
     double phase = carg(value[0]);
     for (int k = 1; k < POINTS; ++k) {
         const double before = phase;
-        phase += carg(value[k] / value[k - 1]);
+        phase += carg(value[k] * conj(value[k - 1]));
         if (cabs(value[k - 1]) >= 1.0 && cabs(value[k]) < 1.0) {
             row->crossover_rad_s = Omega[k];
             row->phase_deg = rig_deg_from_rad(carg(-value[k]));

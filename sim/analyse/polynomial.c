@@ -63,7 +63,7 @@ static void swap_rows_and_columns(int n, matrix_t a, int p, int q) {
 /// Subtracts row m times a factor from row i, and adds column i times that factor to column m.
 static void eliminate(int n, matrix_t a, int m, int i) {
     const double complex f = quotient(a[i][m - 1], a[m][m - 1]);
-    for (int j = 0; j < n; ++j) {
+    for (int j = m; j < n; ++j) { // zeros before that
         a[i][j] -= f * a[m][j];
     }
     for (int j = 0; j < n; ++j) {

@@ -98,7 +98,7 @@ static double gi_limit(const lode_estimator_tuning_t *tuning, double most, doubl
         for (double sigma = 5.0; sigma <= most && !(sigma >= least); sigma *= SIGMA_RATIO) {
             const lode_estimator_tuning_t t = joint_with_sigma(tuning, sigma);
             joint_retune(&joint, &t, omega);
-            if (!(joint_radius(&joint) < 1.0)) {
+            if (!joint_is_stable(&joint)) {
                 least = sigma;
                 *where = omega;
             }

@@ -56,6 +56,16 @@ static void test_eigenvalues_of_random_matrices(void) {
     }
 }
 
+static void test_quotients_are_those_of_c(void) {
+    random_t random = random_seed(6);
+    for (int k = 0; k < 1000; k++) {
+        const double size = pow(10.0, random_between(&random, -140.0, 140.0));
+        const double complex a = 3.0 * size + I * size * random_between(&random, -1.0, 1.0);
+        const double complex b = cexp(I * random_between(&random, -4.0, 4.0)) * size;
+        CHECK_AT_MOST(1.0e-14, cabs(quotient(a, b) / (a / b) - 1.0));
+    }
+}
+
 static void test_roots_come_back_from_their_polynomial(void) {
     // Of size 1 to 1e3 and a pair, as loops have them.
     polynomial_t p = {0, {1.0}};
@@ -197,6 +207,30 @@ static void test_observer_responses_against_closed_forms(void) {
     const double complex at = g * rho * rho / ((rho - 1.0) * (rho - p * p) + g * rho);
     // Its width is a float's 6e-8 over 6e-4.
     CHECK_AT_MOST(1.0e-4, cabs(observer_response(&gi, rho) - at));
+}
+
+static void test_no_response_is_above_the_peak(void) {
+    const double w = 314.0;
+    for (int k = 0; k < COUNT_OF(kinds); k++) {
+        lode_estimator_config_t config = config_of(&kinds[k], LODE_PLL_LESO, 100.0f);
+        config.emf.gi_wc_rad_s =
+            60.0f; // with the narrower ones it rings for longer than is waited for
+        config.emf.k1_rad2_s2 *= 200.0f;
+        const lode_observer_tuning_t leso = tuning_of(&config).emf.observer;
+        observer_t o = observer_make(&leso, TS, w);
+        const double peak = observer_peak(&o, o.b);
+        double largest = 0.0;
+        for (double angle = -LODE_PI; angle <= (double)LODE_PI; angle += 1.0e-3) {
+            largest = fmax(largest, cabs(observer_response(&o, cexp(I * angle))));
+        }
+        CHECK_AT_LEAST(largest, peak);
+        CHECK_AT_MOST(3.0 * largest, peak);
+        // None for an observer that grows.
+        for (int i = 0; i < o.modes; i++) {
+            o.a[i][i] += i == 0 ? 2.0 : 0.0;
+        }
+        TEST_ASSERT_FALSE(isfinite(observer_peak(&o, o.b)));
+    }
 }
 
 // ---- The joint loop -------------------------------------------------------------------------------
@@ -460,6 +494,7 @@ static void test_swings_decay_and_grow_as_the_poles_say(void) {
         const lode_estimator_tuning_t growing = joint_with_k2(&fa, &config.emf, 471.0, 50.0);
         const joint_t joint = joint_make(&growing, omegas[w]);
         CHECK_AT_LEAST(1.0001, joint_radius(&joint));
+        TEST_ASSERT_FALSE(joint_is_stable(&joint));
         check_swing(&fa, &growing, omegas[w], 0.1);
     }
 }
@@ -478,6 +513,27 @@ static void test_gi_holds_with_the_speed_fed_back(void) {
             const lode_estimator_tuning_t tuning = joint_with_sigma(&slow, sigmas[s]);
             const joint_t joint = joint_make(&tuning, omegas[w]);
             CHECK_AT_MOST(1.0, joint_radius(&joint));
+            TEST_ASSERT_TRUE(joint_is_stable(&joint));
+        }
+    }
+}
+
+/// Both ways to the same answer, from where the loop is stable to where it is not.
+static void test_powers_tell_the_stable_loops(void) {
+    const double omegas[] = {9.0, 100.0, 471.0};
+    for (int k = 0; k < COUNT_OF(kinds); k++) {
+        lode_estimator_config_t config = config_of(&kinds[k], LODE_PLL_LESO, 100.0f);
+        config.notch_k = 0.5f;
+        const lode_estimator_tuning_t tuning = tuning_of(&config);
+        for (int w = 0; w < COUNT_OF(omegas); w++) {
+            joint_t joint = joint_make(&tuning, omegas[w]);
+            for (double sigma = 2.0; sigma < 4000.0; sigma *= 1.3) {
+                const lode_estimator_tuning_t t = joint_with_sigma(&tuning, sigma);
+                const joint_t made = joint_make(&t, omegas[w]);
+                joint_retune(&joint, &t, omegas[w]);
+                TEST_ASSERT_TRUE(joint_radius(&joint) == joint_radius(&made));
+                TEST_ASSERT_TRUE(joint_is_stable(&joint) == (joint_radius(&joint) < 1.0));
+            }
         }
     }
 }
@@ -494,7 +550,9 @@ static void test_margins_end_where_the_joint_loop_does(void) {
             drive.estimator = config_of(&kind, LODE_PLL_LESO, 100.0f);
             drive.estimator.emf.w0_rad_s = 600.0f;
             const lode_estimator_tuning_t tuning = tuning_of(&drive.estimator);
-            const double limit = margins_at(&drive, omegas[w]).sigma_limit_rad_s;
+            const margins_t margins = margins_at(&drive, omegas[w]);
+            TEST_ASSERT_TRUE(margins_phase_deg(&drive, omegas[w]) == margins.phase_deg);
+            const double limit = margins.sigma_limit_rad_s;
             CHECK_AT_LEAST(100.0, limit);
             for (int side = -1; side <= 1; side += 2) { // 1.5 %: the coarse steps of the sweep
                 const lode_estimator_tuning_t t =
@@ -624,16 +682,19 @@ static void test_sampled_notch_is_the_firmware(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_eigenvalues_of_random_matrices);
+    RUN_TEST(test_quotients_are_those_of_c);
     RUN_TEST(test_roots_come_back_from_their_polynomial);
     RUN_TEST(test_generalised_routh_condition);
     RUN_TEST(test_observer_matrices_are_the_firmware);
     RUN_TEST(test_observer_responses_against_closed_forms);
+    RUN_TEST(test_no_response_is_above_the_peak);
     RUN_TEST(test_poles_are_roots_of_the_derived_polynomial);
     RUN_TEST(test_least_k2_is_where_the_polynomial_says);
     RUN_TEST(test_with_the_qpll_every_k2_is_stable);
     RUN_TEST(test_the_firmware_returns_as_the_model_says);
     RUN_TEST(test_swings_decay_and_grow_as_the_poles_say);
     RUN_TEST(test_gi_holds_with_the_speed_fed_back);
+    RUN_TEST(test_powers_tell_the_stable_loops);
     RUN_TEST(test_margins_end_where_the_joint_loop_does);
     RUN_TEST(test_ripple_of_harmonics_is_the_models);
     RUN_TEST(test_an_acceleration_passes_as_the_model_says);
