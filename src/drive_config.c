@@ -476,6 +476,20 @@ static lode_status_t tune_start(lode_drive_tuning_t *t, const lode_drive_config_
     return status;
 }
 
+// Current vector of three phases that are all just below the trip limit, and the largest sum of the two terms of (P19) by a
+// vector of length 1, of either linkage, with a position error of SINE_MAX.
+#define VECTOR_PER_PHASE 1.1547005f
+#define ACC_PER_LINKAGE 1.6f
+
+// (P30): the largest acceleration by current that does not trip, and by friction.
+static float most_acceleration(const lode_drive_tuning_t *t) {
+    const lode_estimator_tuning_t *e = &t->estimator;
+    const float i_A = VECTOR_PER_PHASE * t->guard.i_trip;
+    const float linkage_Wb = e->psi_Wb + lode_abs(e->salient_H) * i_A;
+    return e->acc_per_torque * ACC_PER_LINKAGE * linkage_Wb * i_A +
+           e->acc_per_omega * e->omega_limit;
+}
+
 // Tunes references, controllers, start and guard.
 static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_config_t *c) {
     const float ts_s = 1.0f / c->f_pwm_Hz;
@@ -509,6 +523,7 @@ static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_confi
         status = tune_plausibility(t, c);
     }
     if (status == LODE_OK) {
+        t->estimator.acc_most = most_acceleration(t);
         const float trip = t->guard.i_trip / lode_abs(t->sense.i_gain);
         t->sense.alert = (uint32_t)(int32_t)lode_min((float)t->sense.alert, trip);
     }

@@ -15,6 +15,9 @@
 
 // Below this multiple of the lowest speed, a sensorless drive that stops or reverses leaves RUN.
 #define HAND_BACK_SHARE 1.15f
+// What LODE_CHECK_MEMORY has found corrupted (guard.h).
+#define MEMORY_MOTION 4.0f
+#define MEMORY_REFERENCE 5.0f
 #define SOUND_LOCK 0.9f // the EMF is off by less than 8 %
 
 // One round less until the start counts as proven.
@@ -68,6 +71,14 @@ LODE_INLINE bool lode_drive_slot_lag(lode_drive_t *self, const lode_drive_tuning
     return lode_drive_watch_flux(self);
 }
 
+// No speed above the estimator's limit can be commanded, nor is the ramp begun at one. Torque control renews the reference in
+// each call.
+LODE_INLINE bool lode_drive_reference_ok(const lode_drive_t *self,
+                                         const lode_drive_tuning_t *tuning) {
+    const float most = tuning->estimator.omega_limit * tuning->speed.inv_pole_pairs;
+    return lode_abs(self->state.run.speed.reference_rad_s) <= most || lode_mode_is_torque(self);
+}
+
 LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                            lode_words_t words) {
     lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
@@ -77,6 +88,10 @@ LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_
     }
     if (lode_mode(self) != LODE_MODE_RUN) {
         return true;
+    }
+    if (!lode_drive_reference_ok(self, tuning)) {
+        lode_mode_fault(self, LODE_CHECK_MEMORY, MEMORY_REFERENCE, 0.0f);
+        return false;
     }
     if (!lode_estimator_has_rotor(&self->estimator)) {
         lode_mode_lose_rotor(self);
@@ -93,13 +108,21 @@ LODE_INLINE void lode_drive_adapt_gains(lode_drive_t *self, const lode_drive_tun
     lode_estimator_adapt_gains(&self->estimator, &tuning->estimator);
 }
 
-LODE_INLINE void lode_drive_slot_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
-    if (!self->estimator.locked && lode_mode_seed(self)) {
-        return; // the rest a round later: together 1459 cycles, the worst-case call of a start
+LODE_INLINE bool lode_drive_slot_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+    lode_estimator_t *estimator = &self->estimator;
+    if (!lode_estimator_motion_ok(estimator, &tuning->estimator)) {
+        lode_mode_fault(self, LODE_CHECK_MEMORY, MEMORY_MOTION, 0.0f);
+        return false;
+    }
+    if (!estimator->locked && lode_mode_seed(self)) {
+        lode_estimator_forget_motion(estimator);
+        return true; // the rest a round later: together 1459 cycles, the worst-case call of a start
     }
     lode_drive_adapt_gains(self, tuning);
     lode_mode_count_sensor(self);
-    lode_estimator_adapt_notches(&self->estimator, &tuning->estimator);
+    lode_estimator_adapt_notches(estimator, &tuning->estimator);
+    lode_estimator_note_motion(estimator);
+    return true;
 }
 
 // Too slow to stay in RUN, and no speed in this direction is commanded.
@@ -258,8 +281,7 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
     case SLOT_DEAD_TIME:
         return lode_drive_slot_dead_time(self, tuning, words);
     case SLOT_GAINS:
-        lode_drive_slot_gains(self, tuning);
-        break;
+        return lode_drive_slot_gains(self, tuning);
     case SLOT_GUARD_2:
         return lode_drive_guard(self, tuning, sample, other);
     case SLOT_SPEED:

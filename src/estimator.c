@@ -249,6 +249,7 @@ static void change_observer(lode_estimator_t *self, const lode_estimator_tuning_
 
 void lode_estimator_retune(lode_estimator_t *self, const lode_estimator_tuning_t *before,
                            const lode_estimator_tuning_t *now) {
+    lode_estimator_forget_motion(self); // other gains and another inertia
     if (now->emf.observer.kind != before->emf.observer.kind) {
         change_observer(self, before, now);
     }

@@ -76,6 +76,11 @@ lode_ab_t lode_estimator_beyond_V(const lode_estimator_t *self,
                                   const lode_estimator_tuning_t *tuning);
 #endif
 
+// The motion is not checked (P30) until it is noted again: it is set from outside.
+LODE_INLINE void lode_estimator_forget_motion(lode_estimator_t *self) {
+    self->omega_noted = 0.0f;
+}
+
 // Ratio of the EMF to the observer's estimate, in steady rotation.
 LODE_INLINE float lode_estimator_droop(const lode_estimator_tuning_t *tuning, float omega_rad_s) {
     return 1.0f + omega_rad_s * omega_rad_s * tuning->droop_s2;
@@ -402,6 +407,31 @@ LODE_INLINE void lode_estimator_adapt_notches(lode_estimator_t *self,
         }
     }
 #endif
+}
+
+// (P30): errors of a round. Each period has at most SINE_MAX, (P24) adds at most 0.5 for each; the rest is for rounding.
+#define ROUND_ERROR (1.65f * (float)LODE_SLOW_PERIODS)
+
+// End of SLOT_GAINS: the next check counts from here. Without lock, the motion may be acquired anew.
+LODE_INLINE void lode_estimator_note_motion(lode_estimator_t *self) {
+    const bool checked = self->locked && !lode_estimator_injects(self);
+    self->omega_noted = checked ? self->pll.omega_rad_s : 0.0f;
+    self->f_noted = self->pll.f_rad_s2;
+}
+
+// SLOT_GAINS, before the gains change: speed and disturbance have moved no more than the PLL can move them in a round (P30).
+// Otherwise memory was corrupted.
+LODE_INLINE bool lode_estimator_motion_ok(const lode_estimator_t *self,
+                                          const lode_estimator_tuning_t *tuning) {
+    if (!self->locked || !(lode_abs(self->omega_noted) > 0.0f)) {
+        return true;
+    }
+    const float round_s = (float)LODE_SLOW_PERIODS * tuning->pll.ts_s;
+    const float f_moves = ROUND_ERROR * self->gains.f_s2;
+    const float acc_most = lode_abs(self->f_noted) + f_moves + tuning->acc_most;
+    const float omega_moves = ROUND_ERROR * self->gains.omega_s + round_s * acc_most;
+    return lode_abs(self->pll.f_rad_s2 - self->f_noted) <= f_moves &&
+           lode_abs(self->pll.omega_rad_s - self->omega_noted) <= omega_moves;
 }
 
 // Clears the disturbance states for a QPLL, which does not have them.

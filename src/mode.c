@@ -419,6 +419,7 @@ LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *es
     }
     const float step_rad = self->tuning->estimator.pll.ts_s * estimate->omega_rad_s;
     own->pll.omega_rad_s = estimate->omega_rad_s;
+    lode_estimator_forget_motion(own);
     lode_estimator_move_lag(own, &self->tuning->estimator, estimate->omega_rad_s);
     own->pll.frame =
         lode_angle_subtract(estimate->rotor, lode_lag_near(&own->lag, own->pll.omega_rad_s));

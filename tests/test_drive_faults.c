@@ -504,6 +504,124 @@ static void test_speed_control_that_is_left_out_trips(void) {
     check_flip(&rig, offsetof(lode_drive_t, steady), 0, 1.0f);
 }
 
+/// One that runs, and whose next call checks the motion of the estimate (P30).
+static rig_t before_the_gains(void) {
+    rig_t rig = running(80.0, 8.0);
+    rig_run(&rig, 1.5);
+    for (uint32_t n = 0; n < LODE_SLOW_PERIODS && lode_slot_of(rig.drive.steps) != SLOT_GAINS;
+         n++) {
+        rig_step(&rig);
+    }
+    TEST_ASSERT_EQUAL_INT(SLOT_GAINS, lode_slot_of(rig.drive.steps));
+    TEST_ASSERT_TRUE(rig.drive.estimator.locked);
+    return rig;
+}
+
+/// The next step trips for corrupted memory of this kind; 0: it does not.
+static void check_memory(rig_t rig, float which) {
+    rig_step(&rig);
+    const lode_fault_t fault = rig_telemetry(&rig).fault;
+    const lode_check_t check = which > 0.0f ? LODE_CHECK_MEMORY : LODE_CHECK_NONE;
+    TEST_ASSERT_EQUAL_STRING(lode_check_name(check), lode_check_name(fault.check));
+    TEST_ASSERT_TRUE(fault.measured == which);
+    TEST_ASSERT_EQUAL_INT(which > 0.0f, is_idle(rig.out));
+}
+
+/// (P30), from the configuration: the longest vector of currents below the trip limit, and no friction.
+static double most_acceleration(void) {
+    const lode_drive_config_t c = rig_config();
+    const double i_A = 2.0 / sqrt(3.0) * 1.5 * (double)c.inverter.i_max_A;
+    const double np = (double)c.motor.pole_pairs;
+    const double flux_Wb =
+        (double)c.motor.psi_Wb + fabs((double)c.motor.Ld_H - (double)c.motor.Lq_H) * i_A;
+    const double friction = (double)c.motor.B_Nms / (double)c.motor.J_kgm2;
+    return 1.6 * 1.5 * np * np / (double)c.motor.J_kgm2 * flux_Wb * i_A +
+           friction * (double)tuning.estimator.omega_limit;
+}
+
+/// Speed and disturbance of the estimate move no more than the PLL can move them in a round, whatever the error.
+static void test_a_motion_that_changes_by_itself_trips(void) {
+    const rig_t sound = before_the_gains();
+    const lode_estimator_t *estimator = &sound.drive.estimator;
+    const double round_s = 8.0 * RIG_TS_s;
+    const double errors = 8.0 * 1.65;
+    const double f_moves = errors * (double)estimator->gains.f_s2;
+    const double acc = fabs((double)estimator->f_noted) + f_moves + most_acceleration();
+    const double omega_moves = errors * (double)estimator->gains.omega_s + round_s * acc;
+    CHECK_NEAR(1.0e-4 * most_acceleration(), most_acceleration(), tuning.estimator.acc_most);
+    TEST_ASSERT_TRUE(omega_moves < 0.5 * fabs((double)estimator->omega_noted)); // a sign shows
+    check_memory(sound, 0.0f);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int n = 0; n < 2; n++) {
+            const double share = (double)sign * (n == 0 ? 0.95 : 1.05);
+            rig_t rig = sound;
+            rig.drive.estimator.pll.f_rad_s2 = estimator->f_noted + (float)(share * f_moves);
+            check_memory(rig, n == 0 ? 0.0f : 4.0f);
+            rig = sound;
+            rig.drive.estimator.pll.omega_rad_s =
+                estimator->omega_noted + (float)(share * omega_moves);
+            check_memory(rig, n == 0 ? 0.0f : 4.0f);
+            rig = sound; // without a lock, all of it is acquired anew
+            rig.drive.estimator.locked = false;
+            rig.drive.estimator.pll.f_rad_s2 = estimator->f_noted + (float)(share * f_moves);
+            check_memory(rig, 0.0f);
+        }
+    }
+}
+
+/// A motion that is set from outside is none that the PLL has made.
+static void test_a_motion_that_is_set_is_no_change_by_itself(void) {
+    const rig_t sound = before_the_gains();
+    rig_t rig = sound;
+    rig.drive.estimator.pll.f_rad_s2 += 1.0e5f;
+    check_memory(rig, 4.0f);
+    lode_estimator_forget_motion(&rig.drive.estimator);
+    check_memory(rig, 0.0f);
+    rig = sound;
+    rig.drive.estimator.pll.f_rad_s2 += 1.0e5f;
+    lode_estimator_retune(&rig.drive.estimator, &tuning.estimator, &tuning.estimator);
+    check_memory(rig, 0.0f);
+    rig = sound;
+    const lode_counts_t counts = rig_counts(&rig);
+    const lode_sample_t sample = lode_drive_sense(&rig.drive, &counts);
+    lode_estimate_t external = lode_drive_estimate(&rig.drive, &sample);
+    external.source = LODE_ESTIMATE_EXTERNAL;
+    external.load_torque_Nm += 100.0f;
+    (void)lode_drive_act(&rig.drive, &sample, &external);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&rig).fault.check);
+    // From the end of the slot on the own estimate counts again, unless it has no lock.
+    TEST_ASSERT_TRUE(rig.drive.estimator.omega_noted == rig.drive.estimator.pll.omega_rad_s);
+    TEST_ASSERT_TRUE(rig.drive.estimator.f_noted == rig.drive.estimator.pll.f_rad_s2);
+    rig = sound;
+    rig.drive.estimator.locked = false;
+    rig_step(&rig);
+    TEST_ASSERT_TRUE(rig.drive.estimator.omega_noted == 0.0f);
+}
+
+/// No speed reference leads beyond all speeds that the estimator knows. Torque control has none of its own.
+static void test_a_speed_reference_that_changes_by_itself_trips(void) {
+    rig_t sound = running(80.0, 8.0);
+    rig_run(&sound, 0.5);
+    for (uint32_t n = 0; n < LODE_SLOW_PERIODS && lode_slot_of(sound.drive.steps) != SLOT_DEAD_TIME;
+         n++) {
+        rig_step(&sound);
+    }
+    const float most = 2.0f * tuning.guard.omega_max / 1.3f * tuning.speed.inv_pole_pairs;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig_t rig = sound;
+        float *const reference = &rig.drive.state.run.speed.reference_rad_s;
+        *reference = (float)sign * 0.99f * most;
+        check_memory(rig, 0.0f);
+        *reference = (float)sign * 1.01f * most;
+        check_memory(rig, 5.0f);
+        rig.drive.command.flags |= (uint_least8_t)LODE_ORDER_TORQUE;
+        rig.drive.command.check = lode_mode_order_check(&rig.drive.command);
+        check_memory(rig, 0.0f);
+    }
+    sound.drive.state.run.speed.reference_rad_s = NAN;
+    check_memory(sound, 5.0f);
+}
+
 /// The other direction than that in which the rotor turns: it slows down as for a reversal, and starts anew.
 static void test_a_direction_that_turns_over_starts_anew(void) {
     rig_t rig = running(80.0, 8.0);
@@ -700,6 +818,9 @@ int main(void) {
     RUN_TEST(test_a_fault_is_cleared_by_a_command_that_is_replaced);
     RUN_TEST(test_a_mode_or_command_that_changes_by_itself_trips);
     RUN_TEST(test_speed_control_that_is_left_out_trips);
+    RUN_TEST(test_a_motion_that_changes_by_itself_trips);
+    RUN_TEST(test_a_motion_that_is_set_is_no_change_by_itself);
+    RUN_TEST(test_a_speed_reference_that_changes_by_itself_trips);
     RUN_TEST(test_a_direction_that_turns_over_starts_anew);
     RUN_TEST(test_a_q_axis_that_changes_by_itself_does_not_last);
     RUN_TEST(test_a_posted_command_is_not_lost_by_a_flip);

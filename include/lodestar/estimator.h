@@ -67,9 +67,11 @@ typedef struct {
     float error_small;
     float droop_s2; ///< fall of the observer's amplitude with speed, as 1/(1 + droop w^2)
     float psi_Wb;
-    float salient_H;       ///< Ld - Lq
-    float acc_per_torque;  ///< 1.5 np^2/J; 0 with the QPLL
-    float acc_per_omega;   ///< B/J; 0 with the QPLL
+    float salient_H;      ///< Ld - Lq
+    float acc_per_torque; ///< 1.5 np^2/J; 0 with the QPLL
+    float acc_per_omega;  ///< B/J; 0 with the QPLL
+    /// largest acceleration by current below the trip limit, and by friction (P30); the drive sets it
+    float acc_most;
     float load_per_f_Nm;   ///< load torque per disturbance, -J/np; 0 with the QPLL
     float lock_weight;     ///< weight of a new sample in the lock quality
     float rotation_weight; ///< weight of a new sample in the mean rotation
@@ -118,6 +120,9 @@ typedef struct {
 #endif
     } by;
     float omega_tune; ///< speed that tunes the observer, if it is filtered
+    /// speed and disturbance of the PLL from where the next check of its motion counts (P30); a speed of 0: no check
+    float omega_noted;
+    float f_noted;
 } lode_estimator_t;
 
 /// Source of an estimate.

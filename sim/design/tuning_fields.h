@@ -83,6 +83,7 @@
     ROW(FLOAT, float, estimator.salient_H) \
     ROW(FLOAT, float, estimator.acc_per_torque) \
     ROW(FLOAT, float, estimator.acc_per_omega) \
+    ROW(FLOAT, float, estimator.acc_most) \
     ROW(FLOAT, float, estimator.load_per_f_Nm) \
     ROW(FLOAT, float, estimator.lock_weight) \
     ROW(FLOAT, float, estimator.rotation_weight) \
