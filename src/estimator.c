@@ -388,6 +388,20 @@ static bool acquire(lode_estimator_t *self, const lode_estimator_tuning_t *tunin
     return true;
 }
 
+// Not LODE_RAMFUNC: rare.
+LODE_NOINLINE bool lode_estimator_may_move(const lode_estimator_t *self,
+                                           const lode_estimator_tuning_t *tuning) {
+    if (!(lode_abs(self->omega_noted) > 0.0f)) {
+        return true;
+    }
+    const float round_s = (float)LODE_SLOW_PERIODS * tuning->pll.ts_s;
+    const float f_moves = ROUND_ERROR * self->gains.f_s2;
+    const float acc_most = lode_abs(self->f_noted) + f_moves + tuning->acc_most;
+    const float omega_moves = ROUND_ERROR * self->gains.omega_s + round_s * acc_most;
+    return lode_abs(self->pll.f_rad_s2 - self->f_noted) <= f_moves &&
+           lode_abs(self->pll.omega_rad_s - self->omega_noted) <= omega_moves;
+}
+
 LODE_NOINLINE void lode_estimator_wait(lode_estimator_t *self,
                                        const lode_estimator_tuning_t *tuning) {
     if (!is_seed_due(self, tuning)) {

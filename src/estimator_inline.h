@@ -27,6 +27,9 @@
 // Wrong parameters make the EMF this much smaller than the speed induces, and no more; the rest is slip (P24).
 #define SLIP_MIN 0.2f
 
+// (P30): errors of a round. Each period has at most SINE_MAX, (P24) adds at most 0.5 for each; the rest is for rounding.
+#define ROUND_ERROR (1.65f * (float)LODE_SLOW_PERIODS)
+
 LODE_INLINE bool lode_estimator_asks(uint32_t options, int option) {
     return (options & (uint32_t)option) != 0u;
 }
@@ -54,6 +57,8 @@ void lode_estimator_begin_at(lode_estimator_t *self, const lode_estimator_tuning
 // `now` replaces the tuning `before`: a new observer starts with the rotor's present EMF, and injection ends if `now` has none.
 void lode_estimator_retune(lode_estimator_t *self, const lode_estimator_tuning_t *before,
                            const lode_estimator_tuning_t *now);
+// A large motion of a locked PLL in a round is one that it can make (P30), or was not noted.
+bool lode_estimator_may_move(const lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 void lode_estimator_wait(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
 // From now on the EMF alone gives the position.
 void lode_estimator_end_injection(lode_estimator_t *self, const lode_estimator_tuning_t *tuning);
@@ -409,9 +414,6 @@ LODE_INLINE void lode_estimator_adapt_notches(lode_estimator_t *self,
 #endif
 }
 
-// (P30): errors of a round. Each period has at most SINE_MAX, (P24) adds at most 0.5 for each; the rest is for rounding.
-#define ROUND_ERROR (1.65f * (float)LODE_SLOW_PERIODS)
-
 // End of SLOT_GAINS: the next check counts from here. Without lock, the motion may be acquired anew.
 LODE_INLINE void lode_estimator_note_motion(lode_estimator_t *self) {
     const bool checked = self->locked && !lode_estimator_injects(self);
@@ -420,18 +422,13 @@ LODE_INLINE void lode_estimator_note_motion(lode_estimator_t *self) {
 }
 
 // SLOT_GAINS, before the gains change: speed and disturbance have moved no more than the PLL can move them in a round (P30).
-// Otherwise memory was corrupted.
+// Otherwise memory was corrupted. The known acceleration counts only where errors alone do not explain the motion.
 LODE_INLINE bool lode_estimator_motion_ok(const lode_estimator_t *self,
                                           const lode_estimator_tuning_t *tuning) {
-    if (!self->locked || !(lode_abs(self->omega_noted) > 0.0f)) {
-        return true;
-    }
-    const float round_s = (float)LODE_SLOW_PERIODS * tuning->pll.ts_s;
-    const float f_moves = ROUND_ERROR * self->gains.f_s2;
-    const float acc_most = lode_abs(self->f_noted) + f_moves + tuning->acc_most;
-    const float omega_moves = ROUND_ERROR * self->gains.omega_s + round_s * acc_most;
-    return lode_abs(self->pll.f_rad_s2 - self->f_noted) <= f_moves &&
-           lode_abs(self->pll.omega_rad_s - self->omega_noted) <= omega_moves;
+    const bool small =
+        lode_abs(self->pll.f_rad_s2 - self->f_noted) <= ROUND_ERROR * self->gains.f_s2 &&
+        lode_abs(self->pll.omega_rad_s - self->omega_noted) <= ROUND_ERROR * self->gains.omega_s;
+    return !self->locked || small || lode_estimator_may_move(self, tuning);
 }
 
 // Clears the disturbance states for a QPLL, which does not have them.
