@@ -142,7 +142,10 @@ static void inject_running(lode_drive_t *self) {
     }
     if (lode_hfi_follow(&estimator->by.hfi, &self->tuning->estimator.hfi, self->i_A, omega)) {
         const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
-        estimator->gains = lode_pll_gains_of(&tuning->pll, tuning->hfi.find_gain);
+        const float by_emf = lode_pll_x(&tuning->pll, omega);
+        const float by_wave = tuning->hfi.find_gain - by_emf;
+        estimator->gains =
+            lode_pll_gains_of(&tuning->pll, by_emf + estimator->by.hfi.weight * by_wave); // (H28)
         self->direction = lode_sign(omega); // RUN with injection may have either direction
     } else {
         lode_estimator_end_injection(estimator, &self->tuning->estimator);

@@ -14,10 +14,15 @@ LODE_INLINE lode_pll_gains_t lode_pll_gains_of(const lode_pll_tuning_t *tuning, 
     return (lode_pll_gains_t){x * (2.0f - x), rate, 0.0f};
 }
 
+// `x` of the bandwidth at this speed (P11).
+LODE_INLINE float lode_pll_x(const lode_pll_tuning_t *tuning, float omega_rad_s) {
+    const float up = (lode_abs(omega_rad_s) - tuning->omega_low) * tuning->inv_span;
+    return tuning->x_low + tuning->x_rise * lode_clamp(up, 0.0f, 1.0f);
+}
+
 // Gains for the bandwidth at this speed. It changes slowly: every few periods is enough.
 LODE_SHARED lode_pll_gains_t lode_pll_gains(const lode_pll_tuning_t *tuning, float omega_rad_s) {
-    const float up = (lode_abs(omega_rad_s) - tuning->omega_low) * tuning->inv_span;
-    return lode_pll_gains_of(tuning, tuning->x_low + tuning->x_rise * lode_clamp(up, 0.0f, 1.0f));
+    return lode_pll_gains_of(tuning, lode_pll_x(tuning, omega_rad_s));
 }
 
 // The motion from t_k-1 to t_k.

@@ -73,6 +73,12 @@ static float swinging_kp_Nms(const lode_motor_t *motor, float sigma_rad_s) {
     return SWING_MAX * motor->pole_pairs / lode_max(rise_rad_s_Nm, FLT_MIN);
 }
 
+// (K40): share of the load feed-forward that leaves the loop of (K16) its gain: 3/sigma of the disturbance acts like speed.
+static float soft_share(const lode_motor_t *motor, float sigma_rad_s, float kp_Nms) {
+    const float room_Nms = swinging_kp_Nms(motor, sigma_rad_s) - kp_Nms;
+    return 3.0f * room_Nms / lode_max(motor->J_kgm2 * sigma_rad_s, FLT_MIN);
+}
+
 // (K22), (K37): bandwidth that leaves a margin with such a light rotor, behind a PLL of bandwidth `sigma_rad_s`.
 static float light_rad_s(const light_t *light, const lode_speed_loop_t *loop, float sigma_rad_s) {
     return (sigma_rad_s + loop->damping_rad_s) /
@@ -134,7 +140,8 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     const bool noisy = sigma_low * run_up_s > SIGMA_RUN_UP_NOISY;
     const float fed = lode_min(fed_share(config->kp_Nms, stopped_Nms),
                                light_share(loop, sigma_low, config->kp_Nms / J));
-    const float share = injects ? LOAD_FEED_FORWARD : fed;
+    const float held = lode_min(soft_share(motor, sigma_low, config->kp_Nms), LOAD_FEED_FORWARD);
+    const float share = injects ? held : fed;
     const bool feeds = !noisy && share > 0.0f && (injects || config->kp_Nms < stopped_Nms);
     config->load_feed_forward = lode_given_or(config->load_feed_forward, feeds ? share : LODE_NONE);
     config->inertia_feed_forward =

@@ -965,6 +965,28 @@ static void test_a_push_and_its_end(void) {
     CHECK_NEAR(0.0, 0.0, rig.drive.ref_A.q);
 }
 
+/// (H28): the bandwidth of injection where the wave alone counts, that of the EMF where the EMF does.
+static void test_the_bandwidth_is_blended_too(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 1.0, 0.05, 31.4f);
+    rig_run(&rig, 0.5);
+    rig_expect(&rig, LODE_MODE_RUN);
+    const lode_estimator_tuning_t *tuning = &rig.drive.tuning->estimator;
+    lode_estimator_t *estimator = &rig.drive.estimator;
+    const double w1 = (double)(tuning->hfi.omega_high - 1.0f / tuning->hfi.inv_span);
+    const double w2 = (double)tuning->hfi.omega_high;
+    for (int n = -1; n <= 5; n++) {
+        const double omega = w1 + 0.2 * n * (w2 - w1);
+        const double weight = fmin(1.0 - 0.2 * n, 1.0);
+        estimator->pll.omega_rad_s = (float)omega;
+        TEST_ASSERT_TRUE(lode_mode_inject(&rig.drive));
+        const double by_emf =
+            1.0 - cbrt(1.0 - (double)lode_pll_gains(&tuning->pll, (float)omega).theta);
+        const double x = by_emf + weight * ((double)tuning->hfi.find_gain - by_emf);
+        CHECK_NEAR(1.0e-6, x * (3.0 - x * (3.0 - x)), (double)estimator->gains.theta);
+    }
+}
+
 /// (H14): while the axis is looked for the loop is of first order: it has no speed and no disturbance to wind up.
 static void test_the_loop_that_looks_for_the_axis_has_no_speed(void) {
     static rig_t rig;
@@ -1414,6 +1436,7 @@ int main(void) {
     RUN_TEST(test_pairs_of_waves);
     RUN_TEST(test_no_tone_stands_out_of_a_silent_wave);
     RUN_TEST(test_a_silent_drive_holds_the_rotor);
+    RUN_TEST(test_the_bandwidth_is_blended_too);
     RUN_TEST(test_cross_saturation_turns_the_axis);
     RUN_TEST(test_an_error_that_none_can_be_is_limited);
     RUN_TEST(test_quality_falls_with_the_response_and_with_the_error);

@@ -490,6 +490,21 @@ static void test_an_error_of_Lq_bounds_the_gains(void) {
     TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, designed_with_Lq(2.0, 50.0).load_feed_forward);
 }
 
+/// (K40): 3/sigma of what is fed forward acts like kp, and both together keep (K16).
+static void test_a_load_fed_forward_with_injection_keeps_the_gain(void) {
+    const double factors[] = {0.3, 0.6, 0.7, 2.0};
+    for (int n = 0; n < COUNT_OF(factors); n++) {
+        lode_motor_t motor = paper_motor();
+        lode_speed_config_t config = {.kp_Nms = 0.0f};
+        motor.Lq_H *= (float)factors[n];
+        lode_speed_design(&config, &inverter, &motor, &pll, &prompt, (float)FAST, true);
+        const double room_rad_s =
+            swinging_rad_s(factors[n], 100.0) - (double)config.bandwidth_rad_s;
+        const double most = fmin(0.5, 3.0 * room_rad_s / 100.0);
+        CHECK_NEAR(1.0e-4, most > 1.0e-4 ? most : -1.0, (double)config.load_feed_forward);
+    }
+}
+
 static lode_speed_config_t designed_with_loop(const lode_speed_loop_t *loop, double kp_Nms,
                                               bool injects) {
     lode_motor_t motor = paper_motor();
@@ -655,9 +670,8 @@ static void test_a_load_is_fed_forward_where_it_would_stop_the_rotor(void) {
     CHECK_CLOSE(1.0e-3, 1.0 - 0.75 * 0.7, fed_forward(1.0, 0.7 * dip, false));
     TEST_ASSERT_EQUAL_FLOAT(0.5f, fed_forward(1.0, 0.66 * dip, false));
     TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, fed_forward(1.0, 1.001 * dip, false));
-    // A light rotor has less gain; injection holds it at any speed; noise is fed forward by none.
+    // A light rotor has less gain; noise is fed forward by none.
     CHECK_CLOSE(1.0e-3, 1.0 - 0.75 * 0.9995, fed_forward(0.5, 1.999 * dip, false));
-    TEST_ASSERT_EQUAL_FLOAT(0.5f, fed_forward(1.0, 10.0 * dip, true));
     TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, fed_forward(3.0, 0.1 * dip, true));
 }
 
@@ -925,6 +939,7 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_design_follows_the_inertia);
     RUN_TEST(test_an_error_of_Lq_bounds_the_gains);
+    RUN_TEST(test_a_load_fed_forward_with_injection_keeps_the_gain);
     RUN_TEST(test_a_load_is_fed_forward_where_it_would_stop_the_rotor);
     RUN_TEST(test_a_loop_that_is_late_has_less_gain);
     RUN_TEST(test_a_load_that_would_stop_the_rotor_asks_for_more_gain);

@@ -23,6 +23,7 @@ typedef struct {
     double step_deg;     ///< angle error after a reversal of a load of that size, with injection
     double step_emf_deg; ///< the same with the EMF, from w2 on
     bool loses_steps;    ///< a QPLL that does not follow so light a rotor (P7)
+    bool recommended; ///< possible, and the current vector of a start has too little torque (S54)
 } injection_t;
 
 /// For a designed configuration.

@@ -29,6 +29,16 @@ static double rpm_of(const lode_drive_config_t *config, double omega_rad_s) {
     return rig_rpm_from_rad_s(omega_rad_s) / (double)config->motor.pole_pairs;
 }
 
+static const char *use_of(const injection_t *i) {
+    if (i->on) {
+        return "in use";
+    }
+    return i->recommended ? "recommended: hfi.mode = on; the current vector of a start has too "
+                            "little torque for a "
+                            "load of 0.8 of the rated one"
+                          : "possible: hfi.mode = on";
+}
+
 void report_injection_text(FILE *file, const lode_drive_config_t *config, const injection_t *i) {
     (void)fprintf(file, "\nsignal injection, for zero and low speed: %s\n",
                   i->on ? "on" : "off (hfi.mode)");
@@ -48,10 +58,9 @@ void report_injection_text(FILE *file, const lode_drive_config_t *config, const 
         "angle error: %.2f degrees rms from the noise of the currents, %.1f where a current passes "
         "through zero\n"
         "position by injection up to %.1f rpm, by the EMF from %.1f rpm; sigma %.0f rad/s\n",
-        i->on ? "in use" : "possible: hfi.mode = on", i->saliency, i->V_h_V,
-        100.0 * i->circle_share, i->id_A, i->ripple_A, i->ripple_Nm, i->tone_Hz, i->noise_deg,
-        rig_deg_from_rad(i->dead_time_rad), rpm_of(config, i->w1_rad_s),
-        rpm_of(config, i->w2_rad_s), i->sigma_rad_s);
+        use_of(i), i->saliency, i->V_h_V, 100.0 * i->circle_share, i->id_A, i->ripple_A,
+        i->ripple_Nm, i->tone_Hz, i->noise_deg, rig_deg_from_rad(i->dead_time_rad),
+        rpm_of(config, i->w1_rad_s), rpm_of(config, i->w2_rad_s), i->sigma_rad_s);
     (void)fprintf(file,
                   "reversal of a load of the largest torque, %.3g Nm: angle error %.1f degrees "
                   "with injection, %.1f with the EMF\n",
@@ -66,6 +75,7 @@ void report_injection_json(cJSON *root, const injection_t *i) {
     cJSON *out = cJSON_AddObjectToObject(root, "injection");
     (void)cJSON_AddBoolToObject(out, "on", i->on);
     (void)cJSON_AddStringToObject(out, "status", lode_status_name(i->status));
+    (void)cJSON_AddBoolToObject(out, "recommended", i->recommended);
     config_json_number(out, "saliency", i->saliency);
     config_json_number(out, "V_h_V", i->V_h_V);
     config_json_number(out, "circle_share", i->circle_share);

@@ -396,6 +396,14 @@ def injection(checks, folder):
         checks.equal(said, loses, f"{motor}, {pll}: the warning")
     text = folder.run(*command).stdout
     checks.true("zero and low speed: off (hfi.mode)\npossible: hfi.mode = on\n" in text, "said to be possible")
+    for motor in ("jiang2022", "pmsyrm_5kW", "traction_100kW", "traction_400V"):  # (S54), worked out here
+        values = json.loads(folder.run("design", "--motor", motor, "--drive", motor, "--json").stdout)
+        m = values["config"]["motor"]
+        share = (m["Lq_H"] - m["Ld_H"]) * values["config"]["drive"]["i_max_A"] / m["psi_Wb"]
+        checks.equal(values["injection"]["recommended"], share > 1 / (0.8 * 2 / 3),
+                     f"{motor}: recommended")
+    checks.true("recommended: hfi.mode = on; the current vector of a start"
+                in folder.run("design", "--motor", "pmsyrm_5kW", "--drive", "pmsyrm_5kW").stdout, "said to be recommended")
     text = folder.run(*command, "--set", "hfi.mode=on").stdout
     checks.true("zero and low speed: on\nin use\n" in text, "said to be used")
     round_rotor = folder.run("design", "--motor", "ebike_hub", "--drive", "ebike_hub").stdout
