@@ -354,12 +354,13 @@ static bool has_voltage(const lode_drive_t *self) {
     return squared(self->u_V) < most_V * most_V;
 }
 
-// The control error tells of open phases: the rotor turns fast enough, the start current has faded, and no wave is injected,
-// whose current would add to the error.
+// The control error tells of open phases: the rotor turns fast enough or injection shows its angle, and the start current has
+// faded.
 static bool shows_half_waves(const lode_drive_t *self) {
-    return lode_abs(self->estimator.pll.omega_rad_s) >= self->tuning->start.omega_ready &&
-           !lode_mode_is_sensored(self) && !(self->state.run.fade > 0.0f) &&
-           !lode_estimator_injects(&self->estimator);
+    const bool known =
+        lode_abs(self->estimator.pll.omega_rad_s) >= self->tuning->start.omega_ready ||
+        lode_estimator_injects(&self->estimator);
+    return known && !lode_mode_is_sensored(self) && !(self->state.run.fade > 0.0f);
 }
 
 static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
@@ -376,7 +377,7 @@ static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
     const lode_half_waves_seen_t seen = {
         .ref_A = lode_park_inverse(self->ref_A, rotor),
         .before_A = lode_park_inverse(waves->ref_A, rotor),
-        .i_A = estimator->emf.i_A,
+        .i_A = lode_park_inverse(self->i_A, rotor), // without the ripple of injection
         .beyond_V = lode_estimator_beyond_V(estimator, &self->tuning->estimator),
         .kp_V_A = lode_min(self->tuning->current.d.kp, self->current.kp_q_V_A),
         .turn_rad = rounds_s(self, 1u) * estimator->pll.omega_rad_s,
@@ -524,17 +525,29 @@ LODE_NOINLINE bool lode_drive_judge_flux(lode_drive_t *self) {
     return self->gates;
 }
 
-// Renames a lost lock to LODE_CHECK_FLUX if the EMF's size alone was wrong at every check since the lock fell.
+// Renames a lost lock to LODE_CHECK_OPEN_PHASE if a phase is suspected to be open (K41), and to LODE_CHECK_FLUX if the EMF's
+// size alone was wrong at every check since the lock fell.
 static void name_lost_lock(lode_drive_t *self) {
     lode_guard_t *guard = &self->guard;
     const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
     const bool before = guard->flux || guard->lock <= 1u;
     const bool now = is_another_flux(flux, ANOTHER_FLUX * flux.expected_Wb);
     guard->flux = guard->lock > 0u && before && now;
-    if (guard->flux && guard->fault.check == (uint_least8_t)LODE_CHECK_LOST_LOCK) {
+    if (lode_mode(self) != LODE_MODE_RUN ||
+        guard->fault.check != (uint_least8_t)LODE_CHECK_LOST_LOCK) {
+        return;
+    }
+    const lode_open_phase_t open = lode_half_waves_suspect(&self->state.run.waves);
+    if (open > 0u) {
+        guard->fault.check = (uint_least8_t)LODE_CHECK_OPEN_PHASE;
+        guard->fault.measured = (float)open;
+        guard->fault.limit = 0.0f;
+    } else if (guard->flux) {
         guard->fault.check = (uint_least8_t)LODE_CHECK_FLUX;
         guard->fault.measured = flux.seen_Wb;
         guard->fault.limit = flux.expected_Wb;
+    } else {
+        // lost, and nothing tells why
     }
 }
 

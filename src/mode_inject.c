@@ -1,6 +1,7 @@
 #include "mode_parts.h"
 
 #include "estimator_inline.h"
+#include "open_phase_inline.h"
 #include "start_inline.h"
 
 // A lost rotor is searched for by injection up to this multiple of the speed at which injection ends: the EMF may have pulled
@@ -110,9 +111,24 @@ static void find_at_rest(lode_drive_t *self) {
     }
 }
 
-// RUN is about to trip for lost lock, at a speed at which injection can find the rotor.
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
+static bool may_be_open(const lode_drive_t *self) {
+    return lode_half_waves_suspect(&self->state.run.waves) > 0u;
+}
+
+#else
+
+static bool may_be_open(const lode_drive_t *self) {
+    (void)self;
+    return false;
+}
+
+#endif
+
+// RUN is about to trip for lost lock, at a speed at which injection can find the rotor, and not because a phase is open (K41).
 static bool is_lost(const lode_drive_t *self) {
-    return lode_mode_loses_lock(self) && self->losses < LOSSES_MAX &&
+    return lode_mode_loses_lock(self) && self->losses < LOSSES_MAX && !may_be_open(self) &&
            lode_abs(self->estimator.pll.omega_rad_s) <
                LOST_SPEED * self->tuning->estimator.hfi.omega_high;
 }

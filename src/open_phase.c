@@ -200,6 +200,17 @@ static int32_t alone_of(const lode_half_waves_t *waves) {
     return doubted == 1 ? phase : 0;
 }
 
+LODE_NOINLINE lode_open_phase_t lode_half_waves_suspect(const lode_half_waves_t *self) {
+    for (int32_t n = 0; n < PHASES; n++) {
+        const uint32_t own = both_of(self, n) / 2u;
+        if (own >= ENOUGH / 4u && both_of(self, (n + 1) % PHASES) < own &&
+            both_of(self, (n + 2) % PHASES) < own) {
+            return (lode_open_phase_t)(n + 1);
+        }
+    }
+    return 0u;
+}
+
 static float length_of(lode_ab_t x) {
     return lode_sqrt(x.alpha * x.alpha + x.beta * x.beta);
 }

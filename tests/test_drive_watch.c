@@ -360,6 +360,22 @@ static void test_another_flux_is_one_at_every_look(void) {
     }
 }
 
+/// (K41): a lock that is lost while one phase is suspected to be open. Its name comes before that of another flux.
+static void test_a_lost_lock_is_that_of_a_suspected_phase(void) {
+    rig_t rig = running(100.0, 8.0);
+    rig_run(&rig, 0.5); // the start is over
+    const uint32_t checks = rig.drive.tuning->guard.lock_checks;
+    for (uint_least16_t lacks = 8191u; lacks <= 8192u; lacks++) {
+        for (uint32_t aside = 0u; aside <= checks; aside += checks) {
+            rig_t open = rig;
+            open.drive.state.run.waves.lacks[1] = lacks;
+            const lode_check_t other = aside == 0u ? LODE_CHECK_FLUX : LODE_CHECK_LOST_LOCK;
+            TEST_ASSERT_EQUAL_INT(lacks < 8192u ? other : LODE_CHECK_OPEN_PHASE,
+                                  by_emf_aside(open, aside, 1.5f));
+        }
+    }
+}
+
 /// What the observer's lag takes from the EMF, a fifth of it here, is no flux that is missing.
 static void test_the_observers_lag_is_no_other_flux(void) {
     lode_drive_config_t config = rig_config();
@@ -1158,6 +1174,7 @@ int main(void) {
     RUN_TEST(test_what_the_phases_should_show);
     RUN_TEST(test_another_flux_is_named);
     RUN_TEST(test_another_flux_is_one_at_every_look);
+    RUN_TEST(test_a_lost_lock_is_that_of_a_suspected_phase);
     RUN_TEST(test_the_observers_lag_is_no_other_flux);
     RUN_TEST(test_a_phase_that_opens_in_run_is_found);
     RUN_TEST(test_an_open_phase_without_noise_is_no_stuck_channel);

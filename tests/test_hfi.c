@@ -861,6 +861,22 @@ static void test_a_rotor_that_is_lost_is_found_again(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, rig_telemetry(&rig).fault.check);
 }
 
+/// (K41): a rotor that is lost because a phase is open is not looked for.
+static void test_a_loss_by_an_open_phase_trips(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 1.0, 0.05, 0.0f);
+    rig_run(&rig, 0.5);
+    rig.motor.theta += 1.5;
+    for (int n = 0; n < 500 && rig.drive.mode == LODE_MODE_RUN; n++) {
+        rig.drive.state.run.waves.lacks[2] = 9000u;
+        rig_step(&rig);
+    }
+    rig_expect(&rig, LODE_MODE_FAULT);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OPEN_PHASE, rig_telemetry(&rig).fault.check);
+    CHECK_NEAR(0.0, 3.0, (double)rig_telemetry(&rig).fault.measured);
+    TEST_ASSERT_EQUAL_INT(0, rig.drive.losses);
+}
+
 static void test_a_loss_at_speed_trips(void) {
     static rig_t rig;
     rig_running(&rig, LODE_PLL_LESO);
@@ -1448,6 +1464,7 @@ int main(void) {
     RUN_TEST(test_a_run_from_rest_begins_without_torque);
     RUN_TEST(test_the_frame_turns_round_and_the_vectors_stay);
     RUN_TEST(test_a_rotor_that_is_lost_is_found_again);
+    RUN_TEST(test_a_loss_by_an_open_phase_trips);
     RUN_TEST(test_a_loss_at_speed_trips);
     RUN_TEST(test_a_loss_is_forgotten);
     RUN_TEST(test_iron_that_tells_no_polarity);

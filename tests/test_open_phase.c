@@ -575,6 +575,24 @@ static void test_one_half_wave_of_one_phase_lacks_enough(void) {
     TEST_ASSERT_EQUAL_UINT(1u, waves.doubts);
 }
 
+/// (K41): half of enough, of both half-waves together, and twice as much as either other phase.
+static void test_a_phase_is_suspect_with_half_as_much(void) {
+    lode_half_waves_t waves = {.lacks = {0u, 8192u}};
+    TEST_ASSERT_EQUAL_UINT(2u, lode_half_waves_suspect(&waves));
+    waves = (lode_half_waves_t){.lacks = {0u, 8191u}};
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_suspect(&waves));
+    waves = (lode_half_waves_t){.lacks = {0u, 0u, 4096u, 0u, 0u, 4096u}};
+    TEST_ASSERT_EQUAL_UINT(3u, lode_half_waves_suspect(&waves));
+    waves = (lode_half_waves_t){.lacks = {16000u, 7999u, 0u, 0u, 0u, 7999u}};
+    TEST_ASSERT_EQUAL_UINT(1u, lode_half_waves_suspect(&waves));
+    waves = (lode_half_waves_t){.lacks = {16000u, 8000u, 0u, 0u, 0u, 0u}};
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_suspect(&waves));
+    waves = (lode_half_waves_t){.lacks = {16000u, 0u, 4000u, 0u, 0u, 4000u}};
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_suspect(&waves));
+    waves = (lode_half_waves_t){.doubts = 1u};
+    TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_suspect(&waves));
+}
+
 /// One check of phase 1 that lacks its positive half-wave, or not: `ref_A` along its axis, `has_A` of it, `across_A` of the
 /// other two.
 static bool lacks_now(float ref_A, float has_A, float across_A) {
@@ -792,6 +810,7 @@ int main(void) {
     RUN_TEST(test_control_that_is_behind_lacks_no_phase);
     RUN_TEST(test_a_half_wave_that_is_seen_clears_its_phase);
     RUN_TEST(test_one_half_wave_of_one_phase_lacks_enough);
+    RUN_TEST(test_a_phase_is_suspect_with_half_as_much);
     RUN_TEST(test_three_phases_at_their_limits);
     RUN_TEST(test_three_phases_exactly_at_their_limits);
     RUN_TEST(test_doubts_of_three_phases_at_their_limits);
