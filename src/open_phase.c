@@ -201,14 +201,14 @@ static int32_t alone_of(const lode_half_waves_t *waves) {
 }
 
 LODE_NOINLINE lode_open_phase_t lode_half_waves_suspect(const lode_half_waves_t *self) {
+    int32_t phase = 0;
     for (int32_t n = 0; n < PHASES; n++) {
         const uint32_t own = both_of(self, n) / 2u;
-        if (own >= ENOUGH / 4u && both_of(self, (n + 1) % PHASES) < own &&
-            both_of(self, (n + 2) % PHASES) < own) {
-            return (lode_open_phase_t)(n + 1);
-        }
+        const bool most =
+            both_of(self, (n + 1) % PHASES) < own && both_of(self, (n + 2) % PHASES) < own;
+        phase = most && own >= ENOUGH / 4u ? n + 1 : phase;
     }
-    return 0u;
+    return (lode_open_phase_t)phase;
 }
 
 static float length_of(lode_ab_t x) {
