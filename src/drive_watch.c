@@ -477,10 +477,25 @@ static bool may_speed_lag(const lode_drive_t *self) {
     return lode_mode_is_sensored(self) || (qpll && lode_estimator_injects(&self->estimator));
 }
 
+#ifndef LODE_WITHOUT_HFI
+
+static bool has_injection(const lode_drive_t *self) {
+    return lode_hfi_is_on(&self->tuning->estimator.hfi);
+}
+
+#else
+
+static bool has_injection(const lode_drive_t *self) {
+    (void)self;
+    return false;
+}
+
+#endif
+
 // (P26): unmodelled dead time and drops. Only with a drive that injects at low speed: its start does not measure them (S14).
 static float unsure_dead_V(const lode_drive_t *self) {
     const lode_inverter_tuning_t *inverter = &self->tuning->inverter;
-    if (!lode_hfi_is_on(&self->tuning->estimator.hfi)) {
+    if (!has_injection(self)) {
         return 0.0f;
     }
     return DEAD_PER_PHASE *
