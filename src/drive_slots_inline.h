@@ -15,9 +15,6 @@
 
 // Below this multiple of the lowest speed, a sensorless drive that stops or reverses leaves RUN.
 #define HAND_BACK_SHARE 1.15f
-// What LODE_CHECK_MEMORY has found corrupted (guard.h).
-#define MEMORY_MOTION 4.0f
-#define MEMORY_REFERENCE 5.0f
 #define SOUND_LOCK 0.9f // the EMF is off by less than 8 %
 
 // One round less until the start counts as proven.
@@ -71,14 +68,6 @@ LODE_INLINE bool lode_drive_slot_lag(lode_drive_t *self, const lode_drive_tuning
     return lode_drive_watch_flux(self);
 }
 
-// No speed above the estimator's limit can be commanded, nor is the ramp begun at one. Torque control renews the reference in
-// each call.
-LODE_INLINE bool lode_drive_reference_ok(const lode_drive_t *self,
-                                         const lode_drive_tuning_t *tuning) {
-    const float most = tuning->estimator.omega_limit * tuning->speed.inv_pole_pairs;
-    return lode_abs(self->state.run.speed.reference_rad_s) <= most || lode_mode_is_torque(self);
-}
-
 LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                            lode_words_t words) {
     lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
@@ -89,8 +78,7 @@ LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_
     if (lode_mode(self) != LODE_MODE_RUN) {
         return true;
     }
-    if (!lode_drive_reference_ok(self, tuning)) {
-        lode_mode_fault(self, LODE_CHECK_MEMORY, MEMORY_REFERENCE, 0.0f);
+    if (!lode_mode_reference_ok(self)) {
         return false;
     }
     if (!lode_estimator_has_rotor(&self->estimator)) {
@@ -110,8 +98,7 @@ LODE_INLINE void lode_drive_adapt_gains(lode_drive_t *self, const lode_drive_tun
 
 LODE_INLINE bool lode_drive_slot_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     lode_estimator_t *estimator = &self->estimator;
-    if (!lode_estimator_motion_ok(estimator, &tuning->estimator)) {
-        lode_mode_fault(self, LODE_CHECK_MEMORY, MEMORY_MOTION, 0.0f);
+    if (!lode_mode_motion_ok(self)) {
         return false;
     }
     if (!estimator->locked && lode_mode_seed(self)) {

@@ -366,8 +366,10 @@ static bool shows_half_waves(const lode_drive_t *self) {
 static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
     lode_half_waves_t *waves = &self->state.run.waves;
     if (!shows_half_waves(self)) {
-        *waves = (lode_half_waves_t){.idle = 0u}; // the turn is not known well enough
-        return true;
+        if (self->guard.lock == 0u) {
+            *waves = (lode_half_waves_t){.idle = 0u}; // the turn is not known well enough
+        }
+        return true; // while the lock is being lost the counts stay (K41)
     }
     if (!has_voltage(self)) {
         return true; // the counts stay

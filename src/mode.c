@@ -110,6 +110,26 @@ LODE_NOINLINE void lode_mode_distrust(lode_drive_t *self) {
     lode_mode_fault(self, LODE_CHECK_MEMORY, !command ? 2.0f : (!mode ? 1.0f : 3.0f), 0.0f);
 }
 
+// Not LODE_RAMFUNC, like the check that follows: small fast memories have no room for it.
+LODE_NOINLINE bool lode_mode_motion_ok(lode_drive_t *self) {
+    if (lode_estimator_motion_ok(&self->estimator, &self->tuning->estimator)) {
+        return true;
+    }
+    lode_mode_fault(self, LODE_CHECK_MEMORY, 4.0f, 0.0f);
+    return false;
+}
+
+// Torque control renews the reference in each call.
+LODE_NOINLINE bool lode_mode_reference_ok(lode_drive_t *self) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const float most = tuning->estimator.omega_limit * tuning->speed.inv_pole_pairs;
+    if (lode_abs(self->state.run.speed.reference_rad_s) <= most || lode_mode_is_torque(self)) {
+        return true;
+    }
+    lode_mode_fault(self, LODE_CHECK_MEMORY, 5.0f, 0.0f);
+    return false;
+}
+
 LODE_NOINLINE void lode_mode_lose_rotor(lode_drive_t *self) {
     const uint32_t checks = self->tuning->guard.lock_checks;
     const uint32_t least = (LOST_SHARE * checks + LOST_PARTS - 1u) / LOST_PARTS;

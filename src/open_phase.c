@@ -206,7 +206,7 @@ LODE_NOINLINE lode_open_phase_t lode_half_waves_suspect(const lode_half_waves_t 
         const uint32_t own = both_of(self, n) / 2u;
         const bool most =
             both_of(self, (n + 1) % PHASES) < own && both_of(self, (n + 2) % PHASES) < own;
-        phase = most && own >= ENOUGH / 4u ? n + 1 : phase;
+        phase = most && own >= ENOUGH / 8u ? n + 1 : phase;
     }
     return (lode_open_phase_t)phase;
 }

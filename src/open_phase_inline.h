@@ -58,7 +58,7 @@ lode_open_phase_t lode_half_waves_check(lode_half_waves_t *self,
                                         const lode_open_phase_tuning_t *tuning,
                                         const lode_half_waves_seen_t *seen);
 
-// The phase that has lacked a half-wave for half as long: enough where the lock is lost as well (K41).
+// The phase that has lacked a half-wave for a quarter as long: enough where the lock is lost as well (K41).
 lode_open_phase_t lode_half_waves_suspect(const lode_half_waves_t *self);
 
 #endif

@@ -575,13 +575,13 @@ static void test_one_half_wave_of_one_phase_lacks_enough(void) {
     TEST_ASSERT_EQUAL_UINT(1u, waves.doubts);
 }
 
-/// (K41): half of enough, of both half-waves together, and twice as much as either other phase.
-static void test_a_phase_is_suspect_with_half_as_much(void) {
-    lode_half_waves_t waves = {.lacks = {0u, 8192u}};
+/// (K41): a quarter of enough, of both half-waves together, and twice as much as either other phase.
+static void test_a_phase_is_suspect_with_a_quarter_as_much(void) {
+    lode_half_waves_t waves = {.lacks = {0u, 4096u}};
     TEST_ASSERT_EQUAL_UINT(2u, lode_half_waves_suspect(&waves));
-    waves = (lode_half_waves_t){.lacks = {0u, 8191u}};
+    waves = (lode_half_waves_t){.lacks = {0u, 4095u}};
     TEST_ASSERT_EQUAL_UINT(0u, lode_half_waves_suspect(&waves));
-    waves = (lode_half_waves_t){.lacks = {0u, 0u, 4096u, 0u, 0u, 4096u}};
+    waves = (lode_half_waves_t){.lacks = {0u, 0u, 2048u, 0u, 0u, 2048u}};
     TEST_ASSERT_EQUAL_UINT(3u, lode_half_waves_suspect(&waves));
     waves = (lode_half_waves_t){.lacks = {16000u, 7999u, 0u, 0u, 0u, 7999u}};
     TEST_ASSERT_EQUAL_UINT(1u, lode_half_waves_suspect(&waves));
@@ -810,7 +810,7 @@ int main(void) {
     RUN_TEST(test_control_that_is_behind_lacks_no_phase);
     RUN_TEST(test_a_half_wave_that_is_seen_clears_its_phase);
     RUN_TEST(test_one_half_wave_of_one_phase_lacks_enough);
-    RUN_TEST(test_a_phase_is_suspect_with_half_as_much);
+    RUN_TEST(test_a_phase_is_suspect_with_a_quarter_as_much);
     RUN_TEST(test_three_phases_at_their_limits);
     RUN_TEST(test_three_phases_exactly_at_their_limits);
     RUN_TEST(test_doubts_of_three_phases_at_their_limits);
