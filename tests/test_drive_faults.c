@@ -504,15 +504,14 @@ static void test_speed_control_that_is_left_out_trips(void) {
     check_flip(&rig, offsetof(lode_drive_t, steady), 0, 1.0f);
 }
 
-/// One that runs, and whose next call checks the motion of the estimate (P30).
-static rig_t before_the_gains(void) {
+/// One that has run for this long, and whose next call does the job of `slot`.
+static rig_t before_slot(lode_slot_t slot, double run_s) {
     rig_t rig = running(80.0, 8.0);
-    rig_run(&rig, 1.5);
-    for (uint32_t n = 0; n < LODE_SLOW_PERIODS && lode_slot_of(rig.drive.steps) != SLOT_GAINS;
-         n++) {
+    rig_run(&rig, run_s);
+    for (uint32_t n = 0; n < LODE_SLOW_PERIODS && lode_slot_of(rig.drive.steps) != slot; n++) {
         rig_step(&rig);
     }
-    TEST_ASSERT_EQUAL_INT(SLOT_GAINS, lode_slot_of(rig.drive.steps));
+    TEST_ASSERT_EQUAL_INT(slot, lode_slot_of(rig.drive.steps));
     TEST_ASSERT_TRUE(rig.drive.estimator.locked);
     return rig;
 }
@@ -541,7 +540,7 @@ static double most_acceleration(void) {
 
 /// Speed and disturbance of the estimate move no more than the PLL can move them in a round, whatever the error.
 static void test_a_motion_that_changes_by_itself_trips(void) {
-    const rig_t sound = before_the_gains();
+    const rig_t sound = before_slot(SLOT_GAINS, 1.5);
     const lode_estimator_t *estimator = &sound.drive.estimator;
     const double round_s = 8.0 * RIG_TS_s;
     const double errors = 8.0 * 1.65;
@@ -571,7 +570,7 @@ static void test_a_motion_that_changes_by_itself_trips(void) {
 
 /// A motion that is set from outside is none that the PLL has made.
 static void test_a_motion_that_is_set_is_no_change_by_itself(void) {
-    const rig_t sound = before_the_gains();
+    const rig_t sound = before_slot(SLOT_GAINS, 1.5);
     rig_t rig = sound;
     rig.drive.estimator.pll.f_rad_s2 += 1.0e5f;
     check_memory(rig, 4.0f);
@@ -600,12 +599,7 @@ static void test_a_motion_that_is_set_is_no_change_by_itself(void) {
 
 /// No speed reference leads beyond all speeds that the estimator knows. Torque control has none of its own.
 static void test_a_speed_reference_that_changes_by_itself_trips(void) {
-    rig_t sound = running(80.0, 8.0);
-    rig_run(&sound, 0.5);
-    for (uint32_t n = 0; n < LODE_SLOW_PERIODS && lode_slot_of(sound.drive.steps) != SLOT_DEAD_TIME;
-         n++) {
-        rig_step(&sound);
-    }
+    rig_t sound = before_slot(SLOT_DEAD_TIME, 0.5);
     const float most = 2.0f * tuning.guard.omega_max / 1.3f * tuning.speed.inv_pole_pairs;
     for (int sign = -1; sign <= 1; sign += 2) {
         rig_t rig = sound;
