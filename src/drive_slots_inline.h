@@ -87,13 +87,15 @@ LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_
     return lode_drive_watch_half_waves(self);
 }
 
-LODE_INLINE void lode_drive_adapt_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+// False: a fault was found.
+LODE_INLINE bool lode_drive_adapt_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
 #ifndef LODE_WITHOUT_HFI
     if (lode_hfi_is_on(&tuning->estimator.hfi) && lode_mode_inject(self)) {
-        return;
+        return self->gates;
     }
 #endif
     lode_estimator_adapt_gains(&self->estimator, &tuning->estimator);
+    return true;
 }
 
 LODE_INLINE bool lode_drive_slot_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
@@ -105,7 +107,9 @@ LODE_INLINE bool lode_drive_slot_gains(lode_drive_t *self, const lode_drive_tuni
         lode_estimator_forget_motion(estimator);
         return true; // the rest a round later: together 1459 cycles, the worst-case call of a start
     }
-    lode_drive_adapt_gains(self, tuning);
+    if (!lode_drive_adapt_gains(self, tuning)) {
+        return false;
+    }
     lode_mode_count_sensor(self);
     lode_estimator_adapt_notches(estimator, &tuning->estimator);
     lode_estimator_note_motion(estimator);

@@ -427,31 +427,38 @@ static float most_against_Nm(const lode_drive_t *self) {
 // its current flows.
 static bool is_all_torque(const lode_drive_t *self) {
     const float iq_A = self->ref_A.q;
-    return self->estimator.lock >= LODE_LOCK_HANDOVER &&
+    const bool reliable = lode_mode_is_sensored(self) || self->estimator.lock >= LODE_LOCK_HANDOVER;
+    return reliable &&
            lode_abs(self->state.run.speed.torque_Nm) >= ALL_TORQUE * most_against_Nm(self) &&
            self->i_A.q * iq_A >= FOLLOWED * iq_A * iq_A;
 }
 
-// (K19), (K29). Not with torque control, where the load decides the speed.
+// (K19), (K29), (K42). A wrong angle makes torque in the wrong direction. The angle of a sensor is checked by the EMF
+// (encoder.h), that of injection as soon as there is an EMF. But a rotor that stands still does so at any angle.
+static bool is_beyond_torque(const lode_drive_t *self, lode_load_t *load, float way, float omega) {
+    const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
+    const bool by_emf = !lode_mode_is_sensored(self) && !lode_estimator_injects(&self->estimator);
+    const bool stalls = lode_load_stalls(load, tuning, omega);
+    return stalls || (by_emf && lode_load_is_too_large(load, tuning, way, omega));
+}
+
+// Not with torque control, where the load decides the speed.
 static LODE_NOINLINE bool judge_load(lode_drive_t *self) {
-    const lode_drive_tuning_t *tuning = self->tuning;
     lode_running_t *run = &self->state.run;
     const float omega = self->estimator.pll.omega_rad_s;
     const float way = lode_sign(run->speed.torque_Nm);
-    const bool gives_way = way * (run->load.held_rad_s - omega) > 0.0f; // first: usually false
-    // A wrong angle makes torque in the wrong direction. The angle of a sensor is checked by the EMF (encoder.h), that of
-    // injection as soon as there is an EMF.
-    const bool by_emf = !lode_mode_is_sensored(self) && !lode_estimator_injects(&self->estimator);
-    if (!gives_way || !by_emf || lode_mode_is_torque(self) || !is_started(self) ||
+    const bool gives_way = way * (run->load.held_rad_s - omega) > 0.0f;
+    const bool rests = lode_abs(omega) < self->tuning->plausibility.stall_rad_s;
+    // first: usually neither
+    if (!(gives_way || rests) || lode_mode_is_torque(self) || !is_started(self) ||
         !is_all_torque(self)) {
         run->load = (lode_load_t){.held_rad_s = omega};
         return true;
     }
-    const float reference = run->speed.reference_rad_s;
-    const float off = way * (reference - omega * tuning->speed.inv_pole_pairs);
-    if (lode_load_is_too_large(&run->load, &tuning->plausibility, way, omega) &&
-        off > FAR_OFF * lode_abs(reference)) {
-        lode_mode_fault(self, LODE_CHECK_OVERLOAD, omega, reference / tuning->speed.inv_pole_pairs);
+    const float reference = run->speed.reference_rad_s / self->tuning->speed.inv_pole_pairs;
+    const bool off = way * (reference - omega) > FAR_OFF * lode_abs(reference);
+    if (is_beyond_torque(self, &run->load, way, omega) && off) {
+        lode_mode_fault(self, LODE_CHECK_OVERLOAD, omega, reference);
     }
     return self->gates;
 }

@@ -56,6 +56,11 @@
 #define LEAST_SHARE 0.3f
 // Injection ends a little above the speed at which it begins.
 #define HYSTERESIS 1.05f
+// (H29): least swing by the wave, of the expected one. Without a fault it was at least 0.6, with Ld and Lq 20 % off.
+#define SHOWN_SHARE 0.5f
+// Two rounds in a row: one may have only the beginning of the wave. Where the axis may be a wrong one all the same, eight.
+#define WEAK_MAX 8u
+#define WEAK_EACH 4u
 // Mean error at which the lock quality is 0 (H13).
 #define OFF_rad 0.35f
 
@@ -222,8 +227,14 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
 #ifndef LODE_WITHOUT_HFI
 
 void lode_hfi_begin(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A) {
-    // the shift register may begin with anything but 0
-    *self = (lode_hfi_t){.active = true, .signs = tuning->silent, .weight = 1.0f, .i_A = i_A};
+    // The shift register may begin with anything but 0. The first round counts as one with the whole wave: it lasts until the
+    // currents show it.
+    const float periods = (float)LODE_SLOW_PERIODS;
+    *self = (lode_hfi_t){.active = true,
+                         .signs = tuning->silent,
+                         .weight = 1.0f,
+                         .sum_V = periods / lode_max(tuning->inv_full, periods * FLT_MIN),
+                         .i_A = i_A};
 }
 
 static uint32_t polar_rounds(const lode_hfi_tuning_t *tuning) {
@@ -364,12 +375,27 @@ bool lode_hfi_follow(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_
     return true;
 }
 
+bool lode_hfi_shows_wave(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, bool searches,
+                         float least) {
+    const float swing = lode_hfi_swing(self, tuning);
+    const bool found = !searches && self->off_rad < OFF_rad;
+    self->shown = self->shown || (found && !(swing < SHOWN_SHARE));
+    if (swing < SHOWN_SHARE * least) {
+        self->weak = (uint_least8_t)(self->weak + WEAK_EACH);
+    } else if (found && self->shown && swing < SHOWN_SHARE) {
+        self->weak++;
+    } else {
+        self->weak = 0u;
+    }
+    return self->weak < WEAK_MAX;
+}
+
 float lode_hfi_quality(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float weight) {
     const float off_rad = lode_min(lode_abs(self->error), LODE_HFI_ERROR_MAX_rad);
     self->off_rad += weight * (off_rad - self->off_rad);
     self->swing_V = 1.0f / (float)LODE_SLOW_PERIODS * self->sum_V;
     self->sum_V = 0.0f;
-    const float swing = lode_min(self->swing_V * tuning->inv_full, 1.0f);
+    const float swing = lode_min(lode_hfi_swing(self, tuning), 1.0f);
     return swing * lode_max(1.0f - 1.0f / OFF_rad * self->off_rad, 0.0f);
 }
 

@@ -49,6 +49,16 @@ float lode_hfi_find(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, float i_m
 float lode_hfi_push(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_sincos_t rotor,
                     float step_rad, float direction);
 
+// Swing of the current by the wave, of the expected one (H29).
+LODE_INLINE float lode_hfi_swing(const lode_hfi_t *self, const lode_hfi_tuning_t *tuning) {
+    return self->swing_V * tuning->inv_full;
+}
+
+// Once in LODE_SLOW_PERIODS: false if the currents have not shown the wave for several rounds (H29). `searches`: the axis is
+// not known, `least`: Ld/Lq.
+bool lode_hfi_shows_wave(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, bool searches,
+                         float least);
+
 // Turns the angle by half a turn.
 void lode_hfi_turn_round(lode_hfi_t *self);
 

@@ -2,6 +2,7 @@
 
 #include "estimator_inline.h"
 #include "open_phase_inline.h"
+#include "plausibility_inline.h"
 #include "start_inline.h"
 
 // A lost rotor is searched for by injection up to this multiple of the speed at which injection ends: the EMF may have pulled
@@ -14,6 +15,9 @@
 // the largest share of the flux that it takes or adds.
 #define ALONG_SHARE 0.33f
 #define ALONG_FLUX 0.5f
+
+// Swing of the current by the wave, of the expected one: with less the sensors do not measure, with more their gains are wrong.
+#define STUCK_SWING 0.1f
 
 #ifndef LODE_WITHOUT_HFI
 
@@ -168,6 +172,35 @@ static void inject_running(lode_drive_t *self) {
     }
 }
 
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
+// (H29). The wave is a test of all current sensors in every round.
+static void watch_wave(lode_drive_t *self) {
+    lode_hfi_t *hfi = &self->estimator.by.hfi;
+    const lode_hfi_tuning_t *tuning = &self->tuning->estimator.hfi;
+    const lode_references_tuning_t *motor = &self->tuning->references;
+    const bool searches =
+        lode_mode(self) == LODE_MODE_START && hfi->step == (uint_least8_t)LODE_HFI_FIND;
+    const float least = motor->Ld_H / lode_max(motor->Lq_H, FLT_MIN);
+    if (lode_plausibility_is_on(&self->tuning->plausibility) &&
+        !lode_hfi_shows_wave(hfi, tuning, searches, least)) {
+        const float swing = lode_hfi_swing(hfi, tuning);
+        if (swing < STUCK_SWING) {
+            lode_mode_fault(self, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
+        } else {
+            lode_mode_fault(self, LODE_CHECK_CURRENT_GAIN, swing, 1.0f);
+        }
+    }
+}
+
+#else
+
+static void watch_wave(const lode_drive_t *self) {
+    (void)self;
+}
+
+#endif
+
 LODE_NOINLINE bool lode_mode_inject(lode_drive_t *self) {
     const lode_mode_t mode = lode_mode(self);
     if (mode == LODE_MODE_START && !lode_start_catches(&self->state.start) &&
@@ -185,6 +218,7 @@ LODE_NOINLINE bool lode_mode_inject(lode_drive_t *self) {
     // Where current control is below its limits with this reserve, the modulator is so with the wave.
     hfi->reserve_V = self->tuning->estimator.hfi.V_h_V / self->tuning->current.free;
     lode_estimator_drop_disturbance(&self->estimator, &self->tuning->estimator);
+    watch_wave(self);
     return true;
 }
 

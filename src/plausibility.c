@@ -74,6 +74,11 @@
 // Of rated speed. Gain errors of the current sensors make the estimated speed swing twice per turn, by more than all the torque
 // changes that of a heavy rotor in overload_s.
 #define AWAY_LEAST 0.05f
+// (K42): least time, in overload_s, and speed, of rated. In the time that a free rotor with the configured J takes to rated
+// speed, one with ten times J and 0.8 of the passive load at i_max/1.5 gets beyond it.
+#define STALL_TIMES 3.0f
+#define STALL_SPEED 0.03f
+#define ROUNDS_MAX 65535.0f
 // (K29), braking: multiple of overload_s, three time constants of a slow PLL, after which a rotor under full braking torque no
 // longer seems to get faster; and share of the threshold of (K19), above noise.
 #define FASTER_TIMES 2.0f
@@ -130,6 +135,11 @@ lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
         lode_max(config->overload_s * rise_rad_s2, AWAY_LEAST * omega_rated_rad_s);
     tuning->away_rad_s = watched ? away_rad_s : 0.0f;
     tuning->away_step = AWAY_SHARE * round_s * rise_rad_s2;
+    const float rated_s = omega_rated_rad_s / lode_max(rise_rad_s2, FLT_MIN);
+    const float stall_s = lode_max(STALL_TIMES * config->overload_s, rated_s);
+    const float rounds = lode_clamp(stall_s / round_s, 1.0f, ROUNDS_MAX);
+    tuning->stall_rad_s = STALL_SPEED * omega_rated_rad_s;
+    tuning->stall_rounds = watched ? (uint32_t)rounds : 0u;
     return LODE_OK;
 }
 
@@ -151,7 +161,8 @@ bool lode_load_is_too_large(lode_load_t *self, const lode_plausibility_tuning_t 
                             float sense, float omega_rad_s) {
     const float away = sense * (self->held_rad_s - omega_rad_s);
     if (!(away > 0.0f)) {
-        *self = (lode_load_t){.held_rad_s = omega_rad_s};
+        self->held_rad_s = omega_rad_s;
+        self->faster = 0u;
         return false;
     }
     if (!(sense * omega_rad_s < 0.0f)) { // the rotor slows down
@@ -164,6 +175,13 @@ bool lode_load_is_too_large(lode_load_t *self, const lode_plausibility_tuning_t 
     }
     const float share = is_faster_for_long(self, tuning) ? FASTER_SHARE : 1.0f;
     return away > share * tuning->away_rad_s;
+}
+
+bool lode_load_stalls(lode_load_t *self, const lode_plausibility_tuning_t *tuning,
+                      float omega_rad_s) {
+    const bool turns = !(lode_abs(omega_rad_s) < tuning->stall_rad_s);
+    self->stalled = turns ? 0u : (uint_least16_t)(self->stalled + 1u);
+    return self->stalled >= tuning->stall_rounds;
 }
 
 void lode_plausibility_reset(lode_plausibility_t *self) {

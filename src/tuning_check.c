@@ -74,6 +74,7 @@ bool lode_tuning_is_finite(const lode_drive_tuning_t *tuning) {
 #ifndef LODE_WITHOUT_PLAUSIBILITY
         offsetof(lode_drive_tuning_t, plausibility.i_still),
         offsetof(lode_drive_tuning_t, plausibility.i_sum),
+        offsetof(lode_drive_tuning_t, plausibility.stall_rounds),
 #endif
         sizeof(lode_drive_tuning_t), // the end
     };

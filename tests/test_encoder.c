@@ -402,6 +402,25 @@ static void test_a_drive_holds_zero_speed_and_reverses_through_it(void) {
     TEST_ASSERT_FALSE(self.rig.out.gates);
 }
 
+/// (K42): a rotor that jams. At speed 0 it may be held against all the torque.
+static void test_a_rotor_that_jams_is_an_overload(void) {
+    for (int n = 0; n < 2; n++) {
+        shaft_t self = shaft(false);
+        rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 60.0f});
+        shaft_run(&self, 2.0);
+        check_speed(&self, 60.0);
+        const float speed_rad_s = n == 0 ? 60.0f : 0.0f;
+        rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = speed_rad_s});
+        shaft_run(&self, 2.0);
+        self.rig.motor.omega = 0.0;
+        self.rig.blocked = true;
+        shaft_run(&self, 2.0);
+        const lode_check_t found = (lode_check_t)rig_telemetry(&self.rig).fault.check;
+        TEST_ASSERT_EQUAL_STRING(lode_check_name(n == 0 ? LODE_CHECK_OVERLOAD : LODE_CHECK_NONE),
+                                 lode_check_name(found));
+    }
+}
+
 /// With a sensor speed 0 is a speed like any other, from OFF too.
 static void test_speed_0_from_off_holds_the_rotor(void) {
     shaft_t self = shaft(false);
@@ -666,6 +685,7 @@ int main(void) {
     RUN_TEST(test_counts_beyond_a_turn_are_reduced);
     RUN_TEST(test_the_offset_is_found_from_the_own_estimate);
     RUN_TEST(test_a_drive_holds_zero_speed_and_reverses_through_it);
+    RUN_TEST(test_a_rotor_that_jams_is_an_overload);
     RUN_TEST(test_speed_0_from_off_holds_the_rotor);
     RUN_TEST(test_a_sensor_that_sticks_trips);
     RUN_TEST(test_a_short_doubt_is_forgotten);

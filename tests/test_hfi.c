@@ -595,16 +595,21 @@ static void test_quality_falls_with_the_response_and_with_the_error(void) {
 /// Paper 1's motor with injection in RUN at 300 rpm, from an I-f start.
 static lode_drive_tuning_t rig_tuning;
 
-static void rig_running(rig_t *rig, lode_pll_kind_t pll) {
+static void rig_running_with(rig_t *rig, lode_pll_kind_t pll, lode_choice_t plausibility) {
     lode_drive_config_t config = rig_config();
     config.hfi.mode = LODE_HFI_ON;
     config.hfi.V_h_V = 25.0f;
     config.estimator.pll.kind = pll;
+    config.guard.plausibility = plausibility;
     rig_init(rig, &rig_tuning, &config);
     rig_command(rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 31.4f});
     rig_run(rig, 2.0);
     rig_expect(rig, LODE_MODE_RUN);
     CHECK_NEAR(1.0, 31.4, rig->motor.omega / 3.0);
+}
+
+static void rig_running(rig_t *rig, lode_pll_kind_t pll) {
+    rig_running_with(rig, pll, LODE_ON);
 }
 
 /// Worst position error (rad) of the next `seconds`.
@@ -738,18 +743,62 @@ static void test_a_magnet_the_wrong_way_round_is_found_by_its_EMF(void) {
     rig_expect(&rig, LODE_MODE_RUN);
 }
 
+/// Without the check of the sensors it counts as a lost rotor, is looked for again, and has no axis.
 static void test_no_response_to_the_wave_trips(void) {
     static rig_t rig;
-    rig_running(&rig, LODE_PLL_LESO);
+    rig_running_with(&rig, LODE_PLL_LESO, LODE_OFF);
     rig_ask(&rig, 0.0f);
     rig_run(&rig, 1.0);
     rig.motor.Ld = 9.8e-3; // 0.36 of it is left
     rig_run(&rig, 0.02);
     rig_expect(&rig, LODE_MODE_START);
     rig_run(&rig, 0.4);
-    rig_expect(&rig, LODE_MODE_FAULT); // it is looked for again, and has no axis
+    rig_expect(&rig, LODE_MODE_FAULT);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_START, rig_telemetry(&rig).fault.check);
     TEST_ASSERT_EQUAL_INT(LODE_CRITERION_POLARITY, rig_telemetry(&rig).fault.criterion);
+}
+
+/// (H29): rounds until a swing of `share` of the expected one is a fault; 0: it is none. `good`: rounds with a whole one before.
+static int weak_rounds(float share, int good, bool searches, float off_rad) {
+    const lode_hfi_tuning_t tuning = paper_tuning();
+    lode_hfi_t hfi = {.off_rad = off_rad, .swing_V = 90.0f};
+    for (int n = 0; n < good; n++) {
+        TEST_ASSERT_TRUE(lode_hfi_shows_wave(&hfi, &tuning, searches, 1.0f / 2.8f));
+    }
+    for (int n = 1; n < 100; n++) {
+        hfi.swing_V = 90.0f * share;
+        if (!lode_hfi_shows_wave(&hfi, &tuning, searches, 1.0f / 2.8f)) {
+            return n;
+        }
+    }
+    return 0;
+}
+
+static void test_a_wave_that_the_currents_do_not_show(void) {
+    // Less than a wrong axis leaves, which is found at once.
+    for (int good = 0; good <= 1; good++) {
+        TEST_ASSERT_EQUAL_INT(2, weak_rounds(0.0f, good, false, 0.0f));
+        TEST_ASSERT_EQUAL_INT(2, weak_rounds(0.0f, good, true, 0.0f));
+        TEST_ASSERT_EQUAL_INT(2, weak_rounds(0.49f / 2.8f, good, true, 0.5f));
+    }
+    // Less than half, after it has been shown, and of an axis that is known.
+    TEST_ASSERT_EQUAL_INT(8, weak_rounds(0.49f, 1, false, 0.0f));
+    TEST_ASSERT_EQUAL_INT(8, weak_rounds(0.51f / 2.8f, 1, false, 0.34f));
+    TEST_ASSERT_EQUAL_INT(0, weak_rounds(0.49f, 0, false, 0.0f));
+    TEST_ASSERT_EQUAL_INT(0, weak_rounds(0.49f, 1, true, 0.0f));
+    TEST_ASSERT_EQUAL_INT(0, weak_rounds(0.49f, 1, false, 0.35f));
+    TEST_ASSERT_EQUAL_INT(0, weak_rounds(0.51f, 1, false, 0.0f));
+    TEST_ASSERT_EQUAL_INT(0, weak_rounds(0.51f / 2.8f, 1, true, 0.0f));
+}
+
+/// What is not in a row does not count.
+static void test_a_wave_that_is_shown_again(void) {
+    const lode_hfi_tuning_t tuning = paper_tuning();
+    lode_hfi_t hfi = {.swing_V = 90.0f};
+    for (int n = 0; n < 50; n++) {
+        hfi.swing_V = n % 2 == 0 ? 90.0f : 0.0f;
+        TEST_ASSERT_TRUE(lode_hfi_shows_wave(&hfi, &tuning, false, 1.0f / 2.8f));
+    }
 }
 
 /// At rest at the angle `theta`, with an Ld that falls by `share` from -4 to 4 A; asked for `speed_rad_s`.
@@ -875,6 +924,68 @@ static void test_a_loss_by_an_open_phase_trips(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_OPEN_PHASE, rig_telemetry(&rig).fault.check);
     CHECK_NEAR(0.0, 3.0, (double)rig_telemetry(&rig).fault.measured);
     TEST_ASSERT_EQUAL_INT(0, rig.drive.losses);
+}
+
+/// Periods with the same counts until the fault; 0: there is none.
+static int frozen_periods(rig_t *rig) {
+    const lode_counts_t counts = rig_counts(rig);
+    for (int n = 1; n <= 100; n++) {
+        rig->out = lode_drive_step(&rig->drive, &counts);
+        rig_move(rig);
+        if (rig->out.gates != LODE_GATES_ON) {
+            return n;
+        }
+    }
+    return 0;
+}
+
+/// (H29): in the search, which commands no current, and at rest.
+static void test_sensors_that_freeze_while_it_injects(void) {
+    for (int runs = 0; runs <= 1; runs++) {
+        static rig_t rig;
+        rig_at_rest(&rig, 1.0, 0.05, 0.0f);
+        for (int n = 0; n < 2000 && !rig.drive.estimator.by.hfi.active; n++) {
+            rig_step(&rig);
+        }
+        rig_run(&rig, runs == 1 ? 0.5 : 0.02);
+        rig_expect(&rig, runs == 1 ? LODE_MODE_RUN : LODE_MODE_START);
+        const int periods = frozen_periods(&rig);
+        CHECK_AT_LEAST(17, periods);
+        CHECK_AT_MOST(28, periods); // 5.6 ms
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_STUCK",
+                                 lode_check_name(rig_telemetry(&rig).fault.check));
+        CHECK_NEAR(0.0, 0.0, (double)rig_telemetry(&rig).fault.measured); // all phases
+    }
+}
+
+/// (H29): a response of 0.36 is that of gains, and told as such.
+static void test_a_response_that_falls_is_of_the_gains(void) {
+    static rig_t rig;
+    rig_running(&rig, LODE_PLL_LESO);
+    rig_ask(&rig, 0.0f);
+    rig_run(&rig, 1.0);
+    rig.motor.Ld = 9.8e-3;
+    rig_run(&rig, 0.02);
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_GAIN",
+                             lode_check_name(rig_telemetry(&rig).fault.check));
+    CHECK_NEAR(0.15, 0.36, (double)rig_telemetry(&rig).fault.measured);
+    CHECK_NEAR(0.0, 1.0, (double)rig_telemetry(&rig).fault.limit);
+}
+
+/// (K42): injection still has the angle of a rotor that jams.
+static void test_a_rotor_that_jams_is_an_overload(void) {
+    static rig_t rig;
+    rig_running(&rig, LODE_PLL_LESO);
+    rig.motor.omega = 0.0;
+    rig.blocked = true;
+    const double limit_s =
+        (double)rig_tuning.plausibility.stall_rounds * LODE_SLOW_PERIODS * RIG_TS_s;
+    rig_run(&rig, limit_s);
+    rig_expect(&rig, LODE_MODE_RUN);
+    rig_run(&rig, 0.3); // speed control asks for all the torque
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OVERLOAD",
+                             lode_check_name(rig_telemetry(&rig).fault.check));
+    CHECK_NEAR(1.0, 3.0 * 31.4, (double)rig_telemetry(&rig).fault.limit);
 }
 
 static void test_a_loss_at_speed_trips(void) {
@@ -1460,6 +1571,11 @@ int main(void) {
     RUN_TEST(test_dead_time_by_the_current_that_is_asked_for);
     RUN_TEST(test_a_magnet_the_wrong_way_round_is_found_by_its_EMF);
     RUN_TEST(test_no_response_to_the_wave_trips);
+    RUN_TEST(test_a_wave_that_the_currents_do_not_show);
+    RUN_TEST(test_a_wave_that_is_shown_again);
+    RUN_TEST(test_sensors_that_freeze_while_it_injects);
+    RUN_TEST(test_a_response_that_falls_is_of_the_gains);
+    RUN_TEST(test_a_rotor_that_jams_is_an_overload);
     RUN_TEST(test_start_at_rest_from_any_angle);
     RUN_TEST(test_a_run_from_rest_begins_without_torque);
     RUN_TEST(test_the_frame_turns_round_and_the_vectors_stay);

@@ -794,6 +794,33 @@ static void test_a_speed_that_comes_back_was_no_load_too_large(void) {
     TEST_ASSERT_FALSE(lode_load_is_too_large(&load, &tuning, 1.0f, 0.0f));
 }
 
+/// (K42): how long a rotor may stand still under all the torque. What turns in between begins anew.
+static void test_a_rotor_that_hardly_turns_is_stalled(void) {
+    const struct {
+        float overload_s;
+        double stall_s;
+    } cases[] = {{0.03f, 0.5}, {3.0f, 9.0}};
+    for (int n = 0; n < COUNT_OF(cases); n++) {
+        lode_guard_config_t config = sound_config();
+        config.overload_s = cases[n].overload_s;
+        lode_plausibility_tuning_t tuning = {.i_sum = 0};
+        TEST_ASSERT_EQUAL_INT(
+            LODE_OK, lode_plausibility_tune_load(&tuning, &config, RISE_rad_s2, 50.0f, 1.0e-4f));
+        CHECK_NEAR(1.0, cases[n].stall_s / ROUND_s, tuning.stall_rounds);
+        CHECK_CLOSE(1.0e-6, 1.5, tuning.stall_rad_s);
+        lode_load_t load = {.stalled = 0u};
+        for (uint32_t k = 1; k < tuning.stall_rounds; k++) {
+            TEST_ASSERT_FALSE(lode_load_stalls(&load, &tuning, k % 2u == 0u ? 1.49f : -1.49f));
+        }
+        TEST_ASSERT_FALSE(lode_load_stalls(&load, &tuning, 1.51f));
+        for (uint32_t k = 1; k < tuning.stall_rounds; k++) {
+            TEST_ASSERT_FALSE(lode_load_stalls(&load, &tuning, 0.0f));
+        }
+        TEST_ASSERT_TRUE(lode_load_stalls(&load, &tuning, 0.0f));
+    }
+    TEST_ASSERT_EQUAL_UINT(0u, load_tuning(LODE_NONE).stall_rounds);
+}
+
 /// (K29): by how much a rotor that all the torque brakes is faster, and for how long, running.
 static void test_a_braked_rotor_that_gets_faster_for_long(void) {
     const lode_plausibility_tuning_t tuning = load_tuning(0.03f);
@@ -1084,6 +1111,7 @@ int main(void) {
     RUN_TEST(test_a_reference_that_alternates_freezes_nothing);
     RUN_TEST(test_a_load_that_no_torque_holds_is_too_large);
     RUN_TEST(test_a_speed_that_comes_back_was_no_load_too_large);
+    RUN_TEST(test_a_rotor_that_hardly_turns_is_stalled);
     RUN_TEST(test_a_braked_rotor_that_gets_faster_for_long);
     RUN_TEST(test_configuration_of_the_load);
     RUN_TEST(test_a_phase_without_a_half_wave_is_found);

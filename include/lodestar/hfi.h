@@ -133,6 +133,8 @@ typedef struct {
         lode_hfi_start_t start; ///< during the start
         lode_hfi_push_t push;   ///< at its end, in LODE_HFI_PUSH
     } of;
+    bool shown;         ///< the currents have shown the wave, with the axis found (H29)
+    uint_least8_t weak; ///< rounds in which they have not shown it since
 } lode_hfi_t;
 
 /// Saliency Lq'(i_max)/Ld' below which injection is refused (H0).

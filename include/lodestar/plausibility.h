@@ -30,9 +30,11 @@ typedef struct {
     float away_rad_s; ///< electrical speed change that a load may cause; 0: not checked (K19)
     float
         away_step; ///< part of it that is allowed per LODE_SLOW_PERIODS while the rotor slows down
-    float taken_V; ///< voltage that dead time and drops may take from a phase
+    float stall_rad_s; ///< a rotor slower than this under all the torque is stalled (K42)
+    float taken_V;     ///< voltage that dead time and drops may take from a phase
     /// least jump of the current that is judged, as the voltage that would cause it in one period, squared (K38)
     float jump_V2;
+    uint32_t stall_rounds; ///< looks after which that is a fault; 0: not checked
 } lode_plausibility_tuning_t;
 
 /// Half-wave check in START, where the vector is steady. In 1.1 turns of a vector of at least 2 sqrt(i_min_A2),
@@ -100,10 +102,11 @@ typedef struct {
 
 #define LODE_JUMP_ONE 64u
 
-/// State of the check for a load beyond all the torque (K19).
+/// State of the check for a load beyond all the torque (K19), (K42).
 typedef struct {
-    float held_rad_s;      ///< electrical speed from which the load has moved the rotor
-    uint_least16_t faster; ///< looks for which a braked rotor has become faster
+    float held_rad_s;       ///< electrical speed from which the load has moved the rotor
+    uint_least16_t faster;  ///< looks for which a braked rotor has become faster
+    uint_least16_t stalled; ///< looks for which the rotor has not turned
 } lode_load_t;
 
 /// Result of a check. check == LODE_CHECK_NONE: nothing was found.
@@ -211,6 +214,11 @@ void lode_plausibility_tune_voltages(lode_plausibility_tuning_t *tuning,
 /// requested, the caller keeps `self` at the present speed.
 bool lode_load_is_too_large(lode_load_t *self, const lode_plausibility_tuning_t *tuning,
                             float sense, float omega_rad_s);
+
+/// Once in LODE_SLOW_PERIODS, while all the torque is requested: true if the rotor has hardly turned for too long
+/// (K42). While less is requested, the caller keeps `self` at the present speed.
+bool lode_load_stalls(lode_load_t *self, const lode_plausibility_tuning_t *tuning,
+                      float omega_rad_s);
 
 #ifdef __cplusplus
 }

@@ -190,8 +190,10 @@
     ROW(FLOAT, float, plausibility.waves.most) \
     ROW(FLOAT, float, plausibility.away_rad_s) \
     ROW(FLOAT, float, plausibility.away_step) \
+    ROW(FLOAT, float, plausibility.stall_rad_s) \
     ROW(FLOAT, float, plausibility.taken_V) \
-    ROW(FLOAT, float, plausibility.jump_V2)
+    ROW(FLOAT, float, plausibility.jump_V2) \
+    ROW(WHOLE, uint32_t, plausibility.stall_rounds)
 
 #define TUNING6_FIELDS(ROW) \
     ROW(FLOAT, float, xy.pi.kp) \

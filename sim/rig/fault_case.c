@@ -70,12 +70,15 @@ static void load_with(reach_t *self, double load_Nm) {
     }
 }
 
-/// Runs to the middle of the start's ramp.
+/// Runs to the middle of the start: of its ramp, or with injection from the search for the axis to that for the polarity.
 static bool reach_start(reach_t *self, double handover_rad_s) {
+    const lode_drive_t *drive = self->rig->drive;
     for (double t_s = 0.0; t_s < REACH_s; t_s += self->nothing.ts_s) {
         inject_step(&self->nothing, self->rig, &self->truth);
-        if (self->truth.omega_e_rad_s > 0.4 * handover_rad_s) {
-            return self->rig->drive->mode == (uint_least8_t)LODE_MODE_START;
+        const bool searched = drive->estimator.by.hfi.active &&
+                              drive->estimator.by.hfi.step != (uint_least8_t)LODE_HFI_FIND;
+        if (searched || self->truth.omega_e_rad_s > 0.4 * handover_rad_s) {
+            return drive->mode == (uint_least8_t)LODE_MODE_START;
         }
     }
     return false;
@@ -223,8 +226,10 @@ static fault_result_t run_one(const fault_bench_t *self, const inject_kind_t *ki
         command(&rig, self->speed_rad_s[FAULT_AT_50]);
     }
     const double start_s = START_s + 2.0 * (double)self->config.drive.start.timeout_s;
-    const double until_s = running ? RUN_s : start_s;
-    for (double t_s = 0.0; t_s < until_s && !(t_s > result.found_s + AFTER_s); t_s += ts_s) {
+    for (double t_s = 0.0; t_s < start_s && !(t_s > result.found_s + AFTER_s); t_s += ts_s) {
+        if (running && t_s > RUN_s && runs(&rig)) { // otherwise it is being started again
+            break;
+        }
         plant_truth_t truth;
         inject_step(&inject, &rig, &truth);
         result.peak_A = fmax(result.peak_A, largest_A(&truth));

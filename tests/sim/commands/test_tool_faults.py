@@ -62,6 +62,22 @@ def finds_sensors_that_come_to_show_less_in_a_start(checks, folder):
             checks.at_most(case["found_s"], 0.01, f"{motor}, seed {seed}")
 
 
+def finds_while_it_injects(checks, folder):
+    """(H29), (K42): in the search at rest, which commands no current, and at a tenth of the speed."""
+    kinds = ("none", "adc-frozen-noisy", "adc-mid-all", "gains-0.4", "rotor-jammed")
+    for motor in ("jiang2022", "pmsyrm_5kW"):
+        done, cases = cases_of(folder, "--motors", motor, "--set", "hfi.mode=on", "--kinds", ",".join(kinds))
+        checks.equal(done.returncode, 0, f"exit code with {motor}")
+        for point in ("start", "10 %"):
+            checks.equal(cases["none", point]["found"], "NONE", f"{motor} in order")
+            for kind in ("adc-frozen-noisy", "adc-mid-all"):
+                checks.equal(cases[kind, point]["found"], "CURRENT_STUCK", f"{kind} of {motor} at {point}")
+                checks.at_most(cases[kind, point]["found_s"], 0.006, f"{kind} of {motor} at {point}")
+            checks.equal(cases["gains-0.4", point]["found"], "CURRENT_GAIN", f"gains of {motor} at {point}")
+            checks.at_most(cases["gains-0.4", point]["found_s"], 0.015, f"gains of {motor} at {point}")
+        checks.equal(cases["rotor-jammed", "50 %"]["found"], "OVERLOAD", f"{motor} jams")
+
+
 # Small and large, with little and much resistance, of much and little saliency, light and heavy, six phases.
 OTHERS = ("servo_48V", "drone_900KV", "traction_400V", "pmsyrm_5kW", "compressor_310V", "ultrazohm6")
 
@@ -167,6 +183,7 @@ with Folder() as folder:
     finds(checks, folder)
     tries_bridge_and_sensors_before_a_start(checks, folder)
     finds_sensors_that_come_to_show_less_in_a_start(checks, folder)
+    finds_while_it_injects(checks, folder)
     tells_starts_that_were_given_up(checks, folder)
     bits_of_more_seeds_are_not_silent(checks, folder)
     finds_a_stuck_temperature_where_it_may_be_looked_for(checks, folder)
