@@ -61,6 +61,11 @@
 // Two rounds in a row: one may have only the beginning of the wave. Where the axis may be a wrong one all the same, eight.
 #define WEAK_MAX 8u
 #define WEAK_EACH 4u
+// (S54): current of the rated load, of i_max; its share that a start has to move; and by how much (Lq - Ld)/psi may be larger
+// than configured, with errors of 20 % in Lq and Ld and 10 % in psi.
+#define RATED_LOAD (2.0f / 3.0f)
+#define START_LOAD 0.8f
+#define UNSURE 1.5f
 // Mean error at which the lock quality is 0 (H13).
 #define OFF_rad 0.35f
 
@@ -155,6 +160,13 @@ static float learning_speed(const lode_hfi_config_t *config, const lode_hfi_syst
     return lode_min(W2_LEARN_SHARE * motor->omega_rated_rad_s, left_V / lode_max(flux_Wb, FLT_MIN));
 }
 
+// (S54). The current vector that lets the active flux vanish makes less torque than the load that a start has to move.
+static bool is_start_weak(const lode_hfi_system_t *system) {
+    const lode_motor_t *motor = system->motor;
+    const float load_A = START_LOAD * RATED_LOAD * system->inverter->i_max_A;
+    return UNSURE * (motor->Lq_H - motor->Ld_H) * load_A > motor->psi_Wb;
+}
+
 void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system) {
     const lode_motor_t *motor = system->motor;
     config->learn = config->learn == LODE_AUTO ? LODE_OFF : config->learn;
@@ -180,6 +192,9 @@ void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system)
     const float sigma_max = SIGMA_TS_MAX / lode_max(system->ts_s, FLT_MIN);
     config->sigma_rad_s =
         lode_given_or(config->sigma_rad_s, lode_min(system->sigma_rad_s, sigma_max));
+    if (config->mode == LODE_HFI_DEFAULT) {
+        config->mode = is_start_weak(system) ? LODE_HFI_AUTO : LODE_HFI_OFF;
+    }
     if (config->mode == LODE_HFI_AUTO) {
         config->mode = check(config, system) == LODE_OK ? LODE_HFI_ON : LODE_HFI_OFF;
         config->learn = config->mode == LODE_HFI_ON ? config->learn : LODE_OFF;

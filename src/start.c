@@ -362,12 +362,12 @@ void lode_start_judge(lode_start_t *self, const lode_start_tuning_t *tuning, flo
     self->locked = (uint_least16_t)(sound ? self->locked + weight : 0u);
     if (catching && self->attempt > 1u) {
         self->attempt--;
-    } else if (catching) { // no turning rotor found: start with the vector
+    } else if (catching && !sound) { // no turning rotor found: start with the vector
         self->attempt = 0u;
         self->locked = 0u;
         enter(self, first_stage(tuning));
     } else {
-        // the vector turns: lode_start_aim() counts the time
+        // the vector turns: lode_start_aim() counts the time; or a rotor is just being caught
     }
 }
 

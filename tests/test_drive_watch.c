@@ -781,6 +781,19 @@ static lode_check_t trips_by(rig_t rig) {
     return (lode_check_t)rig.drive.guard.fault.check;
 }
 
+/// (K42): a rotor that has not moved since all torque is asked for, and so has not given way.
+static void test_a_rotor_that_does_not_move_is_stalled(void) {
+    const lode_drive_config_t config = rig_config();
+    rig_t rig = overloaded(proven(&config, 100.0), 1.0f, 1.0f);
+    lode_drive_t *drive = &rig.drive;
+    drive->estimator.pll.omega_rad_s = 0.0f;
+    drive->state.run.load = (lode_load_t){.held_rad_s = 0.0f};
+    for (uint32_t n = 1u; n < tuning.plausibility.stall_rounds; n++) {
+        TEST_ASSERT_TRUE(lode_drive_watch_load(drive));
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, trips_by(rig));
+}
+
 /// Each of them alone tells that it may be something else than the load.
 static void test_what_may_be_else_than_the_load(void) {
     const lode_drive_config_t config = rig_config();
@@ -1189,6 +1202,7 @@ int main(void) {
     RUN_TEST(test_a_load_beyond_all_torque_is_named_within_100_ms);
     RUN_TEST(test_a_load_that_can_be_held_is_none_beyond_all_torque);
     RUN_TEST(test_less_than_all_torque_may_slip);
+    RUN_TEST(test_a_rotor_that_does_not_move_is_stalled);
     RUN_TEST(test_what_may_be_else_than_the_load);
     RUN_TEST(test_a_load_that_moves_a_heavy_rotor_is_named);
     RUN_TEST(test_all_torque_of_a_small_motor_is_all_of_it);

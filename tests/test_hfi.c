@@ -194,7 +194,9 @@ static void test_refusals(void) {
         CHECK_STATUS(LODE_OK, tried(&config, &machine));
     }
     lode_hfi_config_t config = good;
-    const int others[] = {LODE_OFF, 4}; // LODE_OFF, taken for LODE_HFI_OFF, must not switch it on
+    TEST_ASSERT_EQUAL_INT(LODE_OFF, LODE_HFI_OFF); // one may be taken for the other
+    TEST_ASSERT_EQUAL_INT(LODE_ON, LODE_HFI_ON);
+    const int others[] = {LODE_HFI_DEFAULT, LODE_HFI_AUTO, 4}; // not completed, or none of them
     for (int n = 0; n < COUNT_OF(others); n++) {
         config.mode = (lode_hfi_mode_t)others[n];
         CHECK_STATUS(LODE_ERROR_HFI_MODE, tried(&config, &machine));
@@ -256,6 +258,27 @@ static void test_auto_is_on_where_the_machine_allows_it(void) {
     lode_hfi_tuning_t tuning;
     CHECK_STATUS(LODE_OK, lode_hfi_tune(&tuning, &config, &machine.system));
     TEST_ASSERT_FALSE(lode_hfi_is_on(&tuning));
+}
+
+/// (S54): where a current vector starts the rotor, nothing is injected by default; nor where the machine does not allow it.
+static void test_the_default_is_on_where_a_vector_is_weak(void) {
+    machine_t machine;
+    set_up(&machine);
+    const float limit_Wb = 1.5f * 0.8f * 2.0f / 3.0f * 12.0f * 6.3e-3f; // load current times Lq - Ld
+    const struct {
+        float psi_Wb, Lq_H;
+        lode_hfi_mode_t mode;
+    } cases[] = {{1.01f * limit_Wb, 9.8e-3f, LODE_HFI_OFF},
+                 {0.99f * limit_Wb, 9.8e-3f, LODE_HFI_ON},
+                 {1.0e-4f, 3.6e-3f, LODE_HFI_OFF}, // too little saliency
+                 {1.0e-4f, 3.5e-3f, LODE_HFI_OFF}};
+    for (int k = 0; k < COUNT_OF(cases); k++) {
+        machine.motor.psi_Wb = cases[k].psi_Wb;
+        machine.motor.Lq_H = cases[k].Lq_H;
+        lode_hfi_config_t config = {.V_h_V = 25.0f, .w1_rad_s = 80.0f, .w2_rad_s = 130.0f};
+        lode_hfi_design(&config, &machine.system);
+        TEST_ASSERT_EQUAL_INT(cases[k].mode, config.mode);
+    }
 }
 
 static void test_id_that_saturates_the_d_axis_where_saliency_is_small(void) {
@@ -955,21 +978,52 @@ static void test_sensors_that_freeze_while_it_injects(void) {
         TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_STUCK",
                                  lode_check_name(rig_telemetry(&rig).fault.check));
         CHECK_NEAR(0.0, 0.0, (double)rig_telemetry(&rig).fault.measured); // all phases
+        CHECK_NEAR(0.0, 0.0, (double)rig_telemetry(&rig).fault.limit);
     }
 }
 
-/// (H29): a response of 0.36 is that of gains, and told as such.
+static void check_gain(const rig_t *rig, double factor) {
+    const lode_fault_t fault = rig_telemetry(rig).fault;
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_GAIN", lode_check_name(fault.check));
+    CHECK_NEAR(0.15, factor, (double)fault.measured);
+    CHECK_NEAR(0.0, 1.0, (double)fault.limit);
+}
+
+/// (H29): a response of 0.36 is that of gains, and told as such, whether injection began at rest or in RUN.
 static void test_a_response_that_falls_is_of_the_gains(void) {
-    static rig_t rig;
-    rig_running(&rig, LODE_PLL_LESO);
-    rig_ask(&rig, 0.0f);
-    rig_run(&rig, 1.0);
-    rig.motor.Ld = 9.8e-3;
-    rig_run(&rig, 0.02);
-    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_GAIN",
-                             lode_check_name(rig_telemetry(&rig).fault.check));
-    CHECK_NEAR(0.15, 0.36, (double)rig_telemetry(&rig).fault.measured);
-    CHECK_NEAR(0.0, 1.0, (double)rig_telemetry(&rig).fault.limit);
+    const float before_rad_s[] = {0.0f, 100.0f};
+    for (int n = 0; n < COUNT_OF(before_rad_s); n++) {
+        static rig_t rig;
+        rig_running(&rig, LODE_PLL_LESO);
+        rig_ask(&rig, before_rad_s[n]);
+        rig_run(&rig, 2.0);
+        rig_ask(&rig, 0.0f);
+        rig_run(&rig, 2.0);
+        TEST_ASSERT_TRUE(rig_telemetry(&rig).injected);
+        rig.motor.Ld = 9.8e-3;
+        rig_run(&rig, 0.02);
+        check_gain(&rig, 0.36);
+    }
+}
+
+/// In the search a wrong axis leaves 0.36 of the wave. Less is of the gains, more may be the axis.
+static void test_a_response_in_the_search(void) {
+    const double gains[] = {1.0 / 7.0, 1.0 / 1.5};
+    for (int n = 0; n < COUNT_OF(gains); n++) {
+        static rig_t rig;
+        rig_at_rest(&rig, 0.0, 0.0, 0.0f);
+        for (int k = 0; k < 2000 && !rig.drive.estimator.by.hfi.active; k++) {
+            rig_step(&rig);
+        }
+        rig.motor.Ld /= gains[n];
+        rig.motor.Lq /= gains[n];
+        rig_run(&rig, 0.008);
+        if (n == 0) {
+            check_gain(&rig, gains[n]);
+        } else {
+            rig_expect(&rig, LODE_MODE_START);
+        }
+    }
 }
 
 /// (K42): injection still has the angle of a rotor that jams.
@@ -1550,6 +1604,7 @@ int main(void) {
     RUN_TEST(test_refusals);
     RUN_TEST(test_limits_are_taken);
     RUN_TEST(test_auto_is_on_where_the_machine_allows_it);
+    RUN_TEST(test_the_default_is_on_where_a_vector_is_weak);
     RUN_TEST(test_id_that_saturates_the_d_axis_where_saliency_is_small);
     RUN_TEST(test_no_error_shows_at_the_right_angle_whatever_the_voltage_does);
     RUN_TEST(test_gain_of_the_position_error);
@@ -1575,6 +1630,7 @@ int main(void) {
     RUN_TEST(test_a_wave_that_is_shown_again);
     RUN_TEST(test_sensors_that_freeze_while_it_injects);
     RUN_TEST(test_a_response_that_falls_is_of_the_gains);
+    RUN_TEST(test_a_response_in_the_search);
     RUN_TEST(test_a_rotor_that_jams_is_an_overload);
     RUN_TEST(test_start_at_rest_from_any_angle);
     RUN_TEST(test_a_run_from_rest_begins_without_torque);

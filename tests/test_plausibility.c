@@ -812,13 +812,14 @@ static void test_a_rotor_that_hardly_turns_is_stalled(void) {
         for (uint32_t k = 1; k < tuning.stall_rounds; k++) {
             TEST_ASSERT_FALSE(lode_load_stalls(&load, &tuning, k % 2u == 0u ? 1.49f : -1.49f));
         }
-        TEST_ASSERT_FALSE(lode_load_stalls(&load, &tuning, 1.51f));
+        TEST_ASSERT_FALSE(lode_load_stalls(&load, &tuning, tuning.stall_rad_s));
         for (uint32_t k = 1; k < tuning.stall_rounds; k++) {
             TEST_ASSERT_FALSE(lode_load_stalls(&load, &tuning, 0.0f));
         }
         TEST_ASSERT_TRUE(lode_load_stalls(&load, &tuning, 0.0f));
     }
     TEST_ASSERT_EQUAL_UINT(0u, load_tuning(LODE_NONE).stall_rounds);
+    TEST_ASSERT_EQUAL_UINT(1u, load_tuning(1.0e-4f).stall_rounds); // less than a round
 }
 
 /// (K29): by how much a rotor that all the torque brakes is faster, and for how long, running.

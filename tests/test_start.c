@@ -1687,16 +1687,27 @@ static void test_a_stage_begins_anew(void) {
     TEST_ASSERT_EQUAL_UINT(0u, start.drop.held);
 }
 
-/// One round alone to look for a rotor that turns is one. What lock there was at its end does not count for the start.
-static void test_a_lock_too_late_to_catch_is_none(void) {
+/// A rotor that is just being caught when the time is over gets the rest of the time that a lock takes. What lock there was
+/// does not count for the start. One round alone to look for a rotor that turns is one.
+static void test_a_late_lock_catches_too(void) {
     lode_start_config_t config = sound();
     const lode_start_tuning_t tuning = tuned(&config);
-    lode_start_t start;
-    lode_start_begin(&start, &tuning);
-    for (int n = 1; lode_start_catches(&start); n++) {
-        lode_start_judge(&start, &tuning, 300.0f, n > 250 / ROUND - 3 ? 0.9f : 0.0f);
+    const int last = 250 / ROUND;
+    for (int lasts = 0; lasts <= 1; lasts++) {
+        lode_start_t start;
+        lode_start_begin(&start, &tuning);
+        int n = 1;
+        for (; n < 2 * last && lode_start_catches(&start) && !lode_start_is_ready(&start, &tuning);
+             n++) {
+            const bool locks = n > last - 3 && (lasts == 1 || n < last + 2);
+            lode_start_judge(&start, &tuning, 300.0f, locks ? 0.9f : 0.0f);
+        }
+        TEST_ASSERT_EQUAL_INT(lasts == 1, lode_start_is_ready(&start, &tuning));
+        TEST_ASSERT_EQUAL_INT(lasts == 1, lode_start_catches(&start));
+        CHECK_NEAR(3.0, lasts == 1 ? 1.2 * last : last + 2, n);
+        TEST_ASSERT_EQUAL_INT(lasts == 1, start.locked > 0u);
     }
-    TEST_ASSERT_EQUAL_UINT(0u, start.locked);
+    lode_start_t start;
     config.catch_s = (float)ROUND * PAPER_TS_s;
     const lode_start_tuning_t once = tuned(&config);
     lode_start_begin(&start, &once);
@@ -2257,7 +2268,7 @@ int main(void) {
     RUN_TEST(test_how_calm_a_rotor_is_at_rest);
     RUN_TEST(test_a_start_of_half_an_ampere);
     RUN_TEST(test_a_stage_begins_anew);
-    RUN_TEST(test_a_lock_too_late_to_catch_is_none);
+    RUN_TEST(test_a_late_lock_catches_too);
     RUN_TEST(test_a_stop_is_no_attempt);
     RUN_TEST(test_the_vector_keeps_its_length);
     RUN_TEST(test_an_emf_below_the_drop_is_of_no_use);

@@ -2,7 +2,8 @@
 /// that it drives shows the axis of least inductance. docs/theory/injection.md.
 ///
 /// Requires a rotor whose q-axis inductance is the larger one, under load too. The tone has half the rate of the step and is
-/// audible up to about 30 000 steps per second. Off by default; LODE_WITHOUT_HFI leaves it out of a build, which refuses it.
+/// audible up to about 30 000 steps per second. By default only for reluctance machines, see LODE_HFI_DEFAULT.
+/// LODE_WITHOUT_HFI leaves it out of a build, which refuses it.
 #ifndef LODESTAR_HFI_H
 #define LODESTAR_HFI_H
 
@@ -15,12 +16,12 @@
 extern "C" {
 #endif
 
-/// Use of injection.
+/// Use of injection. LODE_ON and LODE_OFF have the same values.
 typedef enum {
-    LODE_HFI_OFF, ///< nothing is injected
+    LODE_HFI_DEFAULT, ///< as AUTO if the current vector of a start has too little torque (S54), otherwise off
     LODE_HFI_ON,  ///< at low speed; refused if the machine does not allow it
-    /// on if the machine allows it, otherwise off. The value 2, that of LODE_OFF, is refused
-    LODE_HFI_AUTO = 3
+    LODE_HFI_OFF, ///< nothing is injected
+    LODE_HFI_AUTO ///< on if machine and build allow it, otherwise off
 } lode_hfi_mode_t;
 
 /// Configuration of injection. Speeds are ELECTRICAL. A field that is 0 gets its default from lode_hfi_design().
@@ -140,7 +141,7 @@ typedef struct {
 /// Saliency Lq'(i_max)/Ld' below which injection is refused (H0).
 #define LODE_HFI_SALIENCY_MIN 1.15f
 
-/// Fills every zero field that has a default, and replaces LODE_HFI_AUTO by on or off.
+/// Fills every zero field that has a default, and replaces LODE_HFI_DEFAULT and LODE_HFI_AUTO by on or off.
 void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system);
 
 /// Checks a completed configuration and derives the tuning.

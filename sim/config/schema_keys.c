@@ -106,7 +106,7 @@ static const rig_key_t keys[] = {
     CHOICE("adaptation", "psi", adaptation.psi, "off|on", NULL),
     CHOICE("adaptation", "Rs", adaptation.Rs, "off|on", NULL),
 
-    CHOICE("hfi", "mode", drive.hfi.mode, "off|on||auto", NULL),
+    CHOICE("hfi", "mode", drive.hfi.mode, "default|on|off|auto", NULL),
     FLOAT("hfi", "V_h_V", hfi.V_h_V),
     FLOAT("hfi", "w1_rad_s", hfi.w1_rad_s),
     FLOAT("hfi", "w2_rad_s", hfi.w2_rad_s),

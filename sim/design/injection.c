@@ -9,16 +9,12 @@
 /// Largest angle error after a step of the acceleration, times sigma^2 (P7): that of s/(s + sigma)^3 at t = 2/sigma.
 #define PEAK_THIRD_ORDER (2.0 * exp(-2.0))
 
-/// (S54): rated load, and its share that a start has to move.
-#define RATED_LOAD (2.0 / 3.0)
-#define START_LOAD 0.8
-
-/// The vector that lets the active flux vanish makes less than the load of a start, 90 degrees ahead of the rotor (S54).
-static bool is_start_weak(const lode_drive_config_t *config) {
-    const lode_motor_t *motor = &config->motor;
-    const double per_A = (double)motor->Lq_H - (double)motor->Ld_H;
-    const double load_A = START_LOAD * RATED_LOAD * (double)config->inverter.i_max_A;
-    return per_A * load_A > (double)motor->psi_Wb;
+/// It is on by default (S54).
+static bool is_default(const lode_drive_config_t *config) {
+    lode_drive_config_t asked = *config;
+    asked.hfi.mode = LODE_HFI_DEFAULT;
+    lode_drive_design(&asked);
+    return asked.hfi.mode == LODE_HFI_ON;
 }
 
 static bool is_third_order(const lode_drive_config_t *config) {
@@ -92,7 +88,7 @@ injection_t injection_of(const lode_drive_config_t *config) {
         .step_deg = NAN,
         .step_emf_deg = NAN,
     };
-    self.recommended = self.status == LODE_OK && is_start_weak(&asked);
+    self.recommended = self.status == LODE_OK && is_default(config);
     if (self.status == LODE_OK) {
         add_step(&self, &asked, (double)lode_references_most_Nm(&tuning.references), ts);
     }

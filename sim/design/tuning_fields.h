@@ -370,8 +370,9 @@
     ROW(lode_lag_kind_t, LODE_LAG_EXACT) \
     ROW(lode_lag_kind_t, LODE_LAG_NONE) \
     ROW(lode_lag_kind_t, LODE_LAG_EQ30) \
-    ROW(lode_hfi_mode_t, LODE_HFI_OFF) \
+    ROW(lode_hfi_mode_t, LODE_HFI_DEFAULT) \
     ROW(lode_hfi_mode_t, LODE_HFI_ON) \
+    ROW(lode_hfi_mode_t, LODE_HFI_OFF) \
     ROW(lode_hfi_mode_t, LODE_HFI_AUTO) \
     ROW(lode_references_kind_t, LODE_REFERENCES_AUTO) \
     ROW(lode_references_kind_t, LODE_REFERENCES_ID0) \

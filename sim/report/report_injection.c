@@ -33,10 +33,10 @@ static const char *use_of(const injection_t *i) {
     if (i->on) {
         return "in use";
     }
-    return i->recommended
-               ? "recommended: hfi.mode = on; the current vector of a start has too little torque "
-                 "for a load of 0.8 of the rated one"
-               : "possible: hfi.mode = on";
+    return i->recommended ? "recommended, and the default: the current vector of a start has too "
+                            "little torque "
+                            "for a load of 0.8 of the rated one"
+                          : "possible: hfi.mode = on";
 }
 
 void report_injection_text(FILE *file, const lode_drive_config_t *config, const injection_t *i) {
