@@ -33,8 +33,32 @@ static void turn_round(lode_drive_t *self) {
     lode_current_reset(&self->current, self->u_V, (lode_dq_t){0.0f, 0.0f});
 }
 
-// Injection found no axis, or nothing shows the polarity: the vector starts the rotor, from its first stage.
+// Starts as from OFF, but with the gates on: a rotor that turns is found by its EMF, another one by injection.
+static void find_again(lode_drive_t *self) {
+    self->losses++;
+    self->guard.lock = 0u;
+    lode_estimator_restart(&self->estimator, &self->tuning->estimator);
+    lode_mode_take_q_axis(self);
+    lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
+    lode_start_begin(&self->state.start, &self->tuning->start);
+    self->state.start.failed = self->losses;
+    self->start_rounds = 0u;
+    lode_mode_set(self, LODE_MODE_START);
+}
+
+// A load has come to turn the rotor while its axis was searched for: its EMF is that of a speed that a start hands over at.
+static bool turns(const lode_drive_t *self) {
+    const float least_V = self->tuning->estimator.psi_Wb * self->tuning->start.omega_ready;
+    return lode_ab_length2(self->estimator.emf.observer.e_V) > least_V * least_V;
+}
+
+// Injection found no axis, or nothing shows the polarity. A rotor that turns is looked for as such; any other one is started
+// by the vector, from its first stage.
 static void give_up(lode_drive_t *self) {
+    if (turns(self) && self->losses < LOSSES_MAX) {
+        find_again(self);
+        return;
+    }
     lode_estimator_restart(&self->estimator, &self->tuning->estimator);
     self->estimator.by.alone.step = (uint_least8_t)LODE_HFI_UNDECIDED;
     lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
@@ -135,19 +159,6 @@ static bool is_lost(const lode_drive_t *self) {
     return lode_mode_loses_lock(self) && self->losses < LOSSES_MAX && !may_be_open(self) &&
            lode_abs(self->estimator.pll.omega_rad_s) <
                LOST_SPEED * self->tuning->estimator.hfi.omega_high;
-}
-
-// Starts as from OFF, but with the gates on: a rotor that turns is found by its EMF, another one by injection.
-static void find_again(lode_drive_t *self) {
-    self->losses++;
-    self->guard.lock = 0u;
-    lode_estimator_restart(&self->estimator, &self->tuning->estimator);
-    lode_mode_take_q_axis(self);
-    lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
-    lode_start_begin(&self->state.start, &self->tuning->start);
-    self->state.start.failed = self->losses;
-    self->start_rounds = 0u;
-    lode_mode_set(self, LODE_MODE_START);
 }
 
 static void inject_running(lode_drive_t *self) {

@@ -264,7 +264,8 @@ static void test_auto_is_on_where_the_machine_allows_it(void) {
 static void test_the_default_is_on_where_a_vector_is_weak(void) {
     machine_t machine;
     set_up(&machine);
-    const float limit_Wb = 1.5f * 0.8f * 2.0f / 3.0f * 12.0f * 6.3e-3f; // load current times Lq - Ld
+    const float limit_Wb =
+        1.5f * 0.8f * 2.0f / 3.0f * 12.0f * 6.3e-3f; // load current times Lq - Ld
     const struct {
         float psi_Wb, Lq_H;
         lode_hfi_mode_t mode;
@@ -1054,6 +1055,26 @@ static void test_a_loss_at_speed_trips(void) {
     TEST_ASSERT_EQUAL_INT(0, rig.drive.losses);
 }
 
+/// A load that comes to turn the rotor while its axis is searched for: it is caught by its EMF.
+static void test_a_rotor_that_begins_to_turn_is_caught(void) {
+    for (int k = -1; k <= 1; k += 2) {
+        static rig_t rig;
+        rig_at_rest(&rig, 1.0, 0.05, 20.0f);
+        for (int n = 0; n < 2000 && !rig.drive.estimator.by.hfi.active; n++) {
+            rig_step(&rig);
+        }
+        rig.motor.omega = 250.0 * k;
+        rig.blocked = true; // it keeps this speed
+        for (int n = 0; n < 5000 && rig.drive.mode != LODE_MODE_RUN; n++) {
+            rig_step(&rig);
+        }
+        rig_expect(&rig, LODE_MODE_RUN);
+        TEST_ASSERT_EQUAL_INT(1, rig.drive.losses);
+        CHECK_NEAR(20.0, 250.0 * k, (double)rig.drive.estimator.pll.omega_rad_s);
+        CHECK_AT_MOST(10.0 * CHECK_DEG, fabs(rig.angle_error));
+    }
+}
+
 static void test_a_loss_is_forgotten(void) {
     static rig_t rig;
     rig_at_rest(&rig, 1.0, 0.05, 0.0f);
@@ -1638,6 +1659,7 @@ int main(void) {
     RUN_TEST(test_a_rotor_that_is_lost_is_found_again);
     RUN_TEST(test_a_loss_by_an_open_phase_trips);
     RUN_TEST(test_a_loss_at_speed_trips);
+    RUN_TEST(test_a_rotor_that_begins_to_turn_is_caught);
     RUN_TEST(test_a_loss_is_forgotten);
     RUN_TEST(test_iron_that_tells_no_polarity);
     RUN_TEST(test_a_push_and_its_end);
