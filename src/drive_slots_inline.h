@@ -90,7 +90,7 @@ LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_
 // False: a fault was found.
 LODE_INLINE bool lode_drive_adapt_gains(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
 #ifndef LODE_WITHOUT_HFI
-    if (lode_hfi_is_on(&tuning->estimator.hfi) && lode_mode_inject(self)) {
+    if (lode_hfi_is_on(&tuning->estimator.hfi) && (lode_mode_inject(self) || !self->gates)) {
         return self->gates;
     }
 #endif

@@ -435,11 +435,17 @@ static bool is_all_torque(const lode_drive_t *self) {
 
 // (K19), (K29), (K42). A wrong angle makes torque in the wrong direction. The angle of a sensor is checked by the EMF
 // (encoder.h), that of injection as soon as there is an EMF. But a rotor that stands still does so at any angle.
-static bool is_beyond_torque(const lode_drive_t *self, lode_load_t *load, float way, float omega) {
+static bool is_beyond_torque(const lode_drive_t *self, lode_load_t *load, float way, float omega,
+                             float reference) {
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
-    const bool by_emf = !lode_mode_is_sensored(self) && !lode_estimator_injects(&self->estimator);
-    const bool stalls = lode_load_stalls(load, tuning, omega);
-    return stalls || (by_emf && lode_load_is_too_large(load, tuning, way, omega));
+    const bool stalls = lode_load_stalls(load, tuning, omega, way * (reference - omega));
+    if (lode_mode_is_sensored(self) || lode_estimator_injects(&self->estimator)) {
+        load->held_rad_s = omega;
+        load->faster = 0u;
+        return stalls;
+    }
+    const bool off = way * (reference - omega) > FAR_OFF * lode_abs(reference);
+    return stalls || (lode_load_is_too_large(load, tuning, way, omega) && off);
 }
 
 // Not with torque control, where the load decides the speed.
@@ -456,8 +462,7 @@ static LODE_NOINLINE bool judge_load(lode_drive_t *self) {
         return true;
     }
     const float reference = run->speed.reference_rad_s / self->tuning->speed.inv_pole_pairs;
-    const bool off = way * (reference - omega) > FAR_OFF * lode_abs(reference);
-    if (is_beyond_torque(self, &run->load, way, omega) && off) {
+    if (is_beyond_torque(self, &run->load, way, omega, reference)) {
         lode_mode_fault(self, LODE_CHECK_OVERLOAD, omega, reference);
     }
     return self->gates;

@@ -58,11 +58,14 @@
 #define HYSTERESIS 1.05f
 // (H29): least swing by the wave, of the expected one. Without a fault it was at least 0.6, with Ld and Lq 20 % off.
 #define SHOWN_SHARE 0.5f
-// Two rounds in a row: one may have only the beginning of the wave. Where the axis may be a wrong one all the same, eight.
+// The round in which the wave begins, and the one in which the currents begin to show it.
+#define EARLY_ROUNDS 2u
+// Fault after two rounds in a row with less swing than any axis leaves (one may have only the beginning of the wave), or after
+// eight below half.
 #define WEAK_MAX 8u
 #define WEAK_EACH 4u
-// (S54): current of the rated load, of i_max; its share that a start has to move; and by how much (Lq - Ld)/psi may be larger
-// than configured, with errors of 20 % in Lq and Ld and 10 % in psi.
+// (S54): rated-load current as a share of i_max; share of that load which a start must move; by how much (Lq - Ld)/psi may be
+// larger than configured, with errors of 20 % in Lq and Ld and 10 % in psi.
 #define RATED_LOAD (2.0f / 3.0f)
 #define START_LOAD 0.8f
 #define UNSURE 1.5f
@@ -193,7 +196,8 @@ void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system)
     config->sigma_rad_s =
         lode_given_or(config->sigma_rad_s, lode_min(system->sigma_rad_s, sigma_max));
     if (config->mode == LODE_HFI_DEFAULT) {
-        config->mode = is_start_weak(system) ? LODE_HFI_AUTO : LODE_HFI_OFF;
+        const bool on = is_start_weak(system) && check(config, system) == LODE_OK;
+        config->mode = on ? LODE_HFI_ON : LODE_HFI_OFF;
     }
     if (config->mode == LODE_HFI_AUTO) {
         config->mode = check(config, system) == LODE_OK ? LODE_HFI_ON : LODE_HFI_OFF;
@@ -242,14 +246,9 @@ lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *
 #ifndef LODE_WITHOUT_HFI
 
 void lode_hfi_begin(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_t i_A) {
-    // The shift register may begin with anything but 0. The first round counts as one with the whole wave: it lasts until the
-    // currents show it.
-    const float periods = (float)LODE_SLOW_PERIODS;
-    *self = (lode_hfi_t){.active = true,
-                         .signs = tuning->silent,
-                         .weight = 1.0f,
-                         .sum_V = periods / lode_max(tuning->inv_full, periods * FLT_MIN),
-                         .i_A = i_A};
+    // the shift register may begin with anything but 0
+    *self = (lode_hfi_t){
+        .active = true, .signs = tuning->silent, .weight = 1.0f, .i_A = i_A, .early = EARLY_ROUNDS};
 }
 
 static uint32_t polar_rounds(const lode_hfi_tuning_t *tuning) {
@@ -392,6 +391,10 @@ bool lode_hfi_follow(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_
 
 bool lode_hfi_shows_wave(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, bool searches,
                          float least) {
+    if (self->early > 0u) {
+        self->early--;
+        return true;
+    }
     const float swing = lode_hfi_swing(self, tuning);
     const bool found = !searches && self->off_rad < OFF_rad;
     self->shown = self->shown || (found && !(swing < SHOWN_SHARE));

@@ -47,7 +47,7 @@ static void find_again(lode_drive_t *self) {
 }
 
 // A load has come to turn the rotor while its axis was searched for: its EMF is that of a speed that a start hands over at.
-static bool turns(const lode_drive_t *self) {
+static bool has_emf(const lode_drive_t *self) {
     const float least_V = self->tuning->estimator.psi_Wb * self->tuning->start.omega_ready;
     return lode_ab_length2(self->estimator.emf.observer.e_V) > least_V * least_V;
 }
@@ -55,8 +55,10 @@ static bool turns(const lode_drive_t *self) {
 // Injection found no axis, or nothing shows the polarity. A rotor that turns is looked for as such; any other one is started
 // by the vector, from its first stage.
 static void give_up(lode_drive_t *self) {
-    if (turns(self) && self->losses < LOSSES_MAX) {
+    if (has_emf(self) && self->losses < LOSSES_MAX) {
+        const uint_least8_t failed = self->state.start.failed;
         find_again(self);
+        self->state.start.failed = failed; // no attempt of the vector has
         return;
     }
     lode_estimator_restart(&self->estimator, &self->tuning->estimator);
@@ -196,7 +198,12 @@ static void watch_wave(lode_drive_t *self) {
     if (lode_plausibility_is_on(&self->tuning->plausibility) &&
         !lode_hfi_shows_wave(hfi, tuning, searches, least)) {
         const float swing = lode_hfi_swing(hfi, tuning);
-        if (swing < STUCK_SWING) {
+        const bool runs = lode_mode(self) == LODE_MODE_RUN;
+        const lode_open_phase_t open =
+            runs ? lode_half_waves_suspect(&self->state.run.waves) : (lode_open_phase_t)0u;
+        if (open > 0u) { // the wave finds no way through it
+            lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)open, 0.0f);
+        } else if (swing < STUCK_SWING) {
             lode_mode_fault(self, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
         } else {
             lode_mode_fault(self, LODE_CHECK_CURRENT_GAIN, swing, 1.0f);

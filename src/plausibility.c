@@ -178,10 +178,11 @@ bool lode_load_is_too_large(lode_load_t *self, const lode_plausibility_tuning_t 
 }
 
 bool lode_load_stalls(lode_load_t *self, const lode_plausibility_tuning_t *tuning,
-                      float omega_rad_s) {
-    const bool turns = !(lode_abs(omega_rad_s) < tuning->stall_rad_s);
-    self->stalled = turns ? 0u : (uint_least16_t)(self->stalled + 1u);
-    return self->stalled >= tuning->stall_rounds;
+                      float omega_rad_s, float missing_rad_s) {
+    const bool stands =
+        lode_abs(omega_rad_s) < tuning->stall_rad_s && missing_rad_s > tuning->stall_rad_s;
+    self->stalled = stands ? (uint_least16_t)(self->stalled + 1u) : 0u;
+    return stands && self->stalled >= tuning->stall_rounds;
 }
 
 void lode_plausibility_reset(lode_plausibility_t *self) {

@@ -815,6 +815,22 @@ static void test_a_wave_that_the_currents_do_not_show(void) {
     TEST_ASSERT_EQUAL_INT(0, weak_rounds(0.51f / 2.8f, 1, true, 0.0f));
 }
 
+/// Injection that has begun anew has shown nothing yet: a motor whose wave is always this small is not taken for a failure.
+static void test_a_wave_that_was_never_shown(void) {
+    const lode_hfi_tuning_t tuning = paper_tuning();
+    lode_hfi_t hfi;
+    lode_hfi_begin(&hfi, &tuning, (lode_dq_t){0.0f, 0.0f});
+    for (int n = 0; n < 50; n++) {
+        TEST_ASSERT_TRUE(lode_hfi_shows_wave(&hfi, &tuning, false, 1.0f / 2.8f));
+        hfi.swing_V = 90.0f * 0.45f;
+    }
+    lode_hfi_begin(&hfi, &tuning, (lode_dq_t){0.0f, 0.0f});
+    int rounds = 0;
+    for (; rounds < 50 && lode_hfi_shows_wave(&hfi, &tuning, false, 1.0f / 2.8f); rounds++) {
+    }
+    TEST_ASSERT_EQUAL_INT(2 + 1, rounds); // two early ones, then two without it
+}
+
 /// What is not in a row does not count.
 static void test_a_wave_that_is_shown_again(void) {
     const lode_hfi_tuning_t tuning = paper_tuning();
@@ -1043,6 +1059,21 @@ static void test_a_rotor_that_jams_is_an_overload(void) {
     CHECK_NEAR(1.0, 3.0 * 31.4, (double)rig_telemetry(&rig).fault.limit);
 }
 
+/// (H29): where a phase is suspected to be open, the wave that is not shown is its.
+static void test_a_wave_that_an_open_phase_does_not_let_pass(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 1.0, 0.05, 0.0f);
+    rig_run(&rig, 0.5);
+    rig.motor.Ld *= 30.0;
+    for (int n = 0; n < 500 && rig.drive.mode == LODE_MODE_RUN; n++) {
+        rig.drive.state.run.waves.lacks[2] = 9000u;
+        rig_step(&rig);
+    }
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OPEN_PHASE",
+                             lode_check_name(rig_telemetry(&rig).fault.check));
+    CHECK_NEAR(0.0, 3.0, (double)rig_telemetry(&rig).fault.measured);
+}
+
 static void test_a_loss_at_speed_trips(void) {
     static rig_t rig;
     rig_running(&rig, LODE_PLL_LESO);
@@ -1065,11 +1096,14 @@ static void test_a_rotor_that_begins_to_turn_is_caught(void) {
         }
         rig.motor.omega = 250.0 * k;
         rig.blocked = true; // it keeps this speed
+        uint32_t losses = 0u;
         for (int n = 0; n < 5000 && rig.drive.mode != LODE_MODE_RUN; n++) {
+            losses = rig.drive.losses;
+            TEST_ASSERT_EQUAL_UINT(0u, rig.drive.state.start.failed); // no attempt of the vector
             rig_step(&rig);
         }
         rig_expect(&rig, LODE_MODE_RUN);
-        TEST_ASSERT_EQUAL_INT(1, rig.drive.losses);
+        TEST_ASSERT_EQUAL_UINT(1u, losses);
         CHECK_NEAR(20.0, 250.0 * k, (double)rig.drive.estimator.pll.omega_rad_s);
         CHECK_AT_MOST(10.0 * CHECK_DEG, fabs(rig.angle_error));
     }
@@ -1648,6 +1682,7 @@ int main(void) {
     RUN_TEST(test_a_magnet_the_wrong_way_round_is_found_by_its_EMF);
     RUN_TEST(test_no_response_to_the_wave_trips);
     RUN_TEST(test_a_wave_that_the_currents_do_not_show);
+    RUN_TEST(test_a_wave_that_was_never_shown);
     RUN_TEST(test_a_wave_that_is_shown_again);
     RUN_TEST(test_sensors_that_freeze_while_it_injects);
     RUN_TEST(test_a_response_that_falls_is_of_the_gains);
@@ -1658,6 +1693,7 @@ int main(void) {
     RUN_TEST(test_the_frame_turns_round_and_the_vectors_stay);
     RUN_TEST(test_a_rotor_that_is_lost_is_found_again);
     RUN_TEST(test_a_loss_by_an_open_phase_trips);
+    RUN_TEST(test_a_wave_that_an_open_phase_does_not_let_pass);
     RUN_TEST(test_a_loss_at_speed_trips);
     RUN_TEST(test_a_rotor_that_begins_to_turn_is_caught);
     RUN_TEST(test_a_loss_is_forgotten);

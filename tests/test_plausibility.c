@@ -810,13 +810,18 @@ static void test_a_rotor_that_hardly_turns_is_stalled(void) {
         CHECK_CLOSE(1.0e-6, 1.5, tuning.stall_rad_s);
         lode_load_t load = {.stalled = 0u};
         for (uint32_t k = 1; k < tuning.stall_rounds; k++) {
-            TEST_ASSERT_FALSE(lode_load_stalls(&load, &tuning, k % 2u == 0u ? 1.49f : -1.49f));
+            TEST_ASSERT_FALSE(
+                lode_load_stalls(&load, &tuning, k % 2u == 0u ? 1.49f : -1.49f, 50.0f));
         }
-        TEST_ASSERT_FALSE(lode_load_stalls(&load, &tuning, tuning.stall_rad_s));
+        TEST_ASSERT_FALSE(lode_load_stalls(&load, &tuning, tuning.stall_rad_s, 50.0f));
         for (uint32_t k = 1; k < tuning.stall_rounds; k++) {
-            TEST_ASSERT_FALSE(lode_load_stalls(&load, &tuning, 0.0f));
+            TEST_ASSERT_FALSE(lode_load_stalls(&load, &tuning, 0.0f, 1.6f));
         }
-        TEST_ASSERT_TRUE(lode_load_stalls(&load, &tuning, 0.0f));
+        lode_load_t held = load;
+        TEST_ASSERT_TRUE(lode_load_stalls(&load, &tuning, 0.0f, 1.6f));
+        // A rotor that is to stand, or to creep, may be held.
+        TEST_ASSERT_FALSE(lode_load_stalls(&held, &tuning, 0.0f, tuning.stall_rad_s));
+        TEST_ASSERT_EQUAL_UINT(0u, held.stalled);
     }
     TEST_ASSERT_EQUAL_UINT(0u, load_tuning(LODE_NONE).stall_rounds);
     TEST_ASSERT_EQUAL_UINT(1u, load_tuning(1.0e-4f).stall_rounds); // less than a round

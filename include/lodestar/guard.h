@@ -85,8 +85,9 @@ typedef struct {
     /// change within this time; 0: not checked
     float bus_still_s;
     /// in RUN with speed control: a load may move the speed against all the torque of i_max by as much as that
-    /// torque would move it in this time, and by a twentieth of the reference (K19), or hold the rotor for three
-    /// times as long, or longer where that torque takes longer to rated speed (K42); 0: 0.03; LODE_NONE: not checked
+    /// torque would move it in this time, and by a twentieth of the reference (K19). It may hold the rotor below 3 %
+    /// of rated speed for three times as long, or for the run-up time to rated speed if that is longer (K42). 0: 0.03;
+    /// LODE_NONE: not checked
     float overload_s;
 } lode_guard_config_t;
 

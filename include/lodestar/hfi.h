@@ -16,7 +16,7 @@
 extern "C" {
 #endif
 
-/// Use of injection. LODE_ON and LODE_OFF have the same values.
+/// Use of injection. ON and OFF have the values of LODE_ON and LODE_OFF.
 typedef enum {
     LODE_HFI_DEFAULT, ///< as AUTO if the current vector of a start has too little torque (S54), otherwise off
     LODE_HFI_ON,  ///< at low speed; refused if the machine does not allow it
@@ -134,8 +134,9 @@ typedef struct {
         lode_hfi_start_t start; ///< during the start
         lode_hfi_push_t push;   ///< at its end, in LODE_HFI_PUSH
     } of;
-    bool shown;         ///< the currents have shown the wave, with the axis found (H29)
-    uint_least8_t weak; ///< rounds in which they have not shown it since
+    bool shown;          ///< the currents have shown the wave, with the axis found (H29)
+    uint_least8_t early; ///< rounds until the currents can show a whole round of the wave
+    uint_least8_t weak;  ///< score of the weak rounds in a row (H29)
 } lode_hfi_t;
 
 /// Saliency Lq'(i_max)/Ld' below which injection is refused (H0).

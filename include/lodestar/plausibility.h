@@ -216,9 +216,10 @@ bool lode_load_is_too_large(lode_load_t *self, const lode_plausibility_tuning_t 
                             float sense, float omega_rad_s);
 
 /// Once in LODE_SLOW_PERIODS, while all the torque is requested: true if the rotor has hardly turned for too long
-/// (K42). While less is requested, the caller keeps `self` at the present speed.
+/// although it should, `missing_rad_s` faster in the direction of the torque (K42). While less is requested, the
+/// caller resets `self`.
 bool lode_load_stalls(lode_load_t *self, const lode_plausibility_tuning_t *tuning,
-                      float omega_rad_s);
+                      float omega_rad_s, float missing_rad_s);
 
 #ifdef __cplusplus
 }

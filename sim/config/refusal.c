@@ -141,7 +141,8 @@ static const refusal_t refusals[] = {
      "ramp_rad_s2 1e-3 .. 1e7; current_rise_s 1 period .. 100 s, lock_s and fade_s 1 period .. 10 "
      "s, align_s and catch_s at most 10 s, timeout_s from lock_s to 1000 s"},
     {LODE_ERROR_START_DAMPING, "start.damping", NULL, "0 .. 2 or none"},
-    {LODE_ERROR_HFI_MODE, "hfi.mode", NULL, "default, on, off or auto, in a build with signal injection"},
+    {LODE_ERROR_HFI_MODE, "hfi.mode", NULL,
+     "default, on, off or auto, in a build with signal injection"},
     {LODE_ERROR_HFI_SALIENCY, "hfi.Lq_i_max_H",
      "motor.Ld_H motor.Lq_H references.Lq_fall drive.i_max_A",
      "a differential Lq at i_max_A of at least 1.15 Ld_H"},

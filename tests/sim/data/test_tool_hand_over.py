@@ -27,7 +27,7 @@ def scenario(motor, designed, seed, duration_s, log_s):
     verdict, drive = designed["verdict"], designed["config"]["drive"]
     noise_A = drive["i_range_A"] / 2 ** drive["adc_bits"]  # half a count, as in monte-carlo: without any it is stuck
     return (f"[scenario]\nmotor = {DATA}/motors/{motor}.ini\ndrive = {DATA}/drives/{motor}.ini\n"
-            f"seed = {seed}\nlog_s = {log_s}\n"
+            f"seed = {seed}\nlog_s = {log_s}\n[hfi]\nmode = off\n"  # the vector starts reluctance machines, too
             "[plant]\ninverter = switched\nload_kind = passive\ntheta0_deg = random\n"
             f"i_noise_A = {noise_A}\n"
             f"[phase.start]\nduration_s = {duration_s}\nload_Nm = {LOAD * verdict['rated_torque_Nm']}\n"
@@ -64,7 +64,7 @@ def hand_over(folder, motor, designed, seed):
 
 
 def one_motor(folder, motor):
-    folder.run("design", "--motor", motor, "--drive", motor, f"--json={motor}.json")
+    folder.run("design", "--motor", motor, "--drive", motor, "--set", "hfi.mode=off", f"--json={motor}.json")
     designed = folder.json(f"{motor}.json")
     return designed["usable_emf"], [hand_over(folder, motor, designed, seed) for seed in SEEDS]
 
