@@ -147,8 +147,10 @@ static void send_injection(FILE *script) {
                 "set yrange [*:*]\n",
                 script);
     plot_panel(script, "Lq [mH]");
-    (void)fputs("plot $run using 1:20 with lines lc rgb blue lw 2 title 'true, psi_q/i_q', "
-                "'' using 1:21 with steps lc rgb red lw 1.4 title 'in the drive'\n",
+    (void)fputs("set yrange [0:*]\n"
+                "plot $run using 1:20 with lines lc rgb blue lw 2 title 'true, psi_q/i_q', "
+                "'' using 1:21 with steps lc rgb red lw 1.4 title 'in the drive'\n"
+                "set yrange [*:*]\n",
                 script);
 }
 
