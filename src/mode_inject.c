@@ -46,19 +46,18 @@ static void find_again(lode_drive_t *self) {
     lode_mode_set(self, LODE_MODE_START);
 }
 
-// A load has come to turn the rotor while its axis was searched for: its EMF is that of a speed that a start hands over at.
-static bool has_emf(const lode_drive_t *self) {
-    const float least_V = self->tuning->estimator.psi_Wb * self->tuning->start.omega_ready;
-    return lode_ab_length2(self->estimator.emf.observer.e_V) > least_V * least_V;
-}
-
-// Injection found no axis, or nothing shows the polarity. A rotor that turns is looked for as such; any other one is started
-// by the vector, from its first stage.
+// Injection found no axis, or nothing shows the polarity. The EMF shows whether a load has come to turn the rotor; any other
+// one is started by the vector, from its first stage.
 static void give_up(lode_drive_t *self) {
-    if (has_emf(self) && self->losses < LOSSES_MAX) {
-        const uint_least8_t failed = self->state.start.failed;
-        find_again(self);
-        self->state.start.failed = failed; // no attempt of the vector has
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const float emf_V = lode_ab_length(self->estimator.emf.observer.e_V);
+    const lode_fault_t turned = {.state = self->mode,
+                                 .stage = self->state.start.stage,
+                                 .criterion = (uint_least8_t)LODE_CRITERION_SPEED,
+                                 .measured = emf_V / tuning->estimator.psi_Wb,
+                                 .limit = tuning->start.omega_ready};
+    if (turned.measured > turned.limit) {
+        lode_mode_catch_again(self, &turned);
         return;
     }
     lode_estimator_restart(&self->estimator, &self->tuning->estimator);

@@ -75,4 +75,8 @@ void lode_mode_follow_start(lode_drive_t *self, lode_slot_t slot);
 
 void lode_mode_fail_start(lode_drive_t *self, const lode_fault_t *why);
 
+// The load turns the rotor faster than a start can hold: the next attempt catches it as a rotor that turns. Trips WRONG_WAY
+// where no attempt is left.
+void lode_mode_catch_again(lode_drive_t *self, const lode_fault_t *why);
+
 #endif

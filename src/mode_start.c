@@ -143,9 +143,20 @@ static void measure_start(lode_drive_t *self) {
 #endif
 }
 
-#ifndef LODE_WITHOUT_PLAUSIBILITY
-
+LODE_NOINLINE void lode_mode_catch_again(lode_drive_t *self, const lode_fault_t *why) {
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
+    const uint_least8_t failed = self->state.start.failed;
+    if (failed < LODE_START_LOSSES_MAX && self->tuning->start.catch_rounds > 0u) {
+        self->guard.fault = *why;
+        lode_mode_switch_off(self); // the command is still RUN: lasts for one period
+        self->losses = (uint_least8_t)(failed + 1u);
+        return;
+    }
+#endif
+    lode_mode_fault(self, LODE_CHECK_WRONG_WAY, why->measured, why->limit);
+}
+
+#ifndef LODE_WITHOUT_PLAUSIBILITY
 
 // The report of what is_astray() has found.
 static lode_fault_t astray(const lode_drive_t *self) {
@@ -159,23 +170,6 @@ static lode_fault_t astray(const lode_drive_t *self) {
                           .criterion = (uint_least8_t)LODE_CRITERION_SPEED,
                           .measured = omega,
                           .limit = back ? 0.0f : lode_sign(omega) * most};
-}
-
-#endif
-
-// The load turns the rotor faster than the vector can hold: the next attempt catches it as a rotor that turns. With no
-// attempt left the drive trips.
-static LODE_NOINLINE void end_attempt(lode_drive_t *self) {
-#ifndef LODE_WITHOUT_HANDOVER_RETRY
-    const uint_least8_t failed = self->state.start.failed;
-    if (failed < LODE_START_LOSSES_MAX && self->tuning->start.catch_rounds > 0u) {
-        self->guard.fault = astray(self);
-        lode_mode_switch_off(self); // the command is still RUN: lasts for one period
-        self->losses = (uint_least8_t)(failed + 1u);
-        return;
-    }
-#endif
-    lode_mode_fault(self, LODE_CHECK_WRONG_WAY, self->estimator.pll.omega_rad_s, 0.0f);
 }
 
 // (S36), with the lock quality of a hand-over: the load turns the rotor against the command while the vector does not turn
@@ -196,7 +190,8 @@ static void watch_load(lode_drive_t *self) {
     const uint32_t rounds = is_astray(self) ? self->guard.speed + 1u : 0u;
     self->guard.speed = (uint_least16_t)rounds;
     if (rounds >= self->tuning->start.lock_rounds) {
-        end_attempt(self);
+        const lode_fault_t why = astray(self);
+        lode_mode_catch_again(self, &why);
     }
 }
 

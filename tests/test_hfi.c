@@ -1096,17 +1096,36 @@ static void test_a_rotor_that_begins_to_turn_is_caught(void) {
         }
         rig.motor.omega = 250.0 * k;
         rig.blocked = true; // it keeps this speed
-        uint32_t losses = 0u;
-        for (int n = 0; n < 5000 && rig.drive.mode != LODE_MODE_RUN; n++) {
-            losses = rig.drive.losses;
-            TEST_ASSERT_EQUAL_UINT(0u, rig.drive.state.start.failed); // no attempt of the vector
+        for (int n = 0; n < 5000 && rig.drive.mode != LODE_MODE_OFF; n++) {
             rig_step(&rig);
         }
+        const lode_fault_t why = rig_telemetry(&rig).fault;
+        TEST_ASSERT_EQUAL_UINT(1u, rig.drive.losses);
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, why.check);
+        TEST_ASSERT_EQUAL_INT(LODE_CRITERION_SPEED, why.criterion);
+        CHECK_NEAR(50.0, 250.0, (double)why.measured); // the observer lets less of the EMF pass
+        CHECK_NEAR(1.0e-3, (double)rig.drive.tuning->start.omega_ready, (double)why.limit);
+        rig_run(&rig, 0.02);
         rig_expect(&rig, LODE_MODE_RUN);
-        TEST_ASSERT_EQUAL_UINT(1u, losses);
         CHECK_NEAR(20.0, 250.0 * k, (double)rig.drive.estimator.pll.omega_rad_s);
         CHECK_AT_MOST(10.0 * CHECK_DEG, fabs(rig.angle_error));
     }
+}
+
+/// It stands still whenever it is to be caught, and turns as soon as its axis is searched for.
+static void test_a_rotor_that_is_never_caught_trips(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 1.0, 0.05, 20.0f);
+    rig.blocked = true;
+    for (int n = 0; n < 20000 && rig.drive.mode != LODE_MODE_FAULT; n++) {
+        rig.motor.omega = rig.drive.estimator.by.hfi.active ? 250.0 : 0.0;
+        rig_step(&rig);
+    }
+    rig_expect(&rig, LODE_MODE_FAULT);
+    const lode_fault_t why = rig_telemetry(&rig).fault;
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_WRONG_WAY, why.check);
+    CHECK_NEAR(50.0, 250.0, (double)why.measured);
+    TEST_ASSERT_EQUAL_UINT(3u, rig.drive.losses);
 }
 
 static void test_a_loss_is_forgotten(void) {
@@ -1696,6 +1715,7 @@ int main(void) {
     RUN_TEST(test_a_wave_that_an_open_phase_does_not_let_pass);
     RUN_TEST(test_a_loss_at_speed_trips);
     RUN_TEST(test_a_rotor_that_begins_to_turn_is_caught);
+    RUN_TEST(test_a_rotor_that_is_never_caught_trips);
     RUN_TEST(test_a_loss_is_forgotten);
     RUN_TEST(test_iron_that_tells_no_polarity);
     RUN_TEST(test_a_push_and_its_end);
