@@ -7,6 +7,8 @@
 #define BUS_SHARE 0.1f
 // Currents that stand still: up to this share of the voltage circle the EMF leaves voltage to drive the reference.
 #define EMF_SHARE 0.8f
+// (K43): up to this share of it, with psi 20 % too large, the EMF of a rotor without load leaves no voltage.
+#define NO_LOAD_SHARE 1.25f
 // Stuck ADC channels in a start (S44): hot over configured resistance; control error over current; share of a trip per check.
 #define HOT_WINDING 2.0f
 #define MISSED 0.05f
@@ -104,10 +106,22 @@ static float squared(lode_dq_t x) {
     return x.d * x.d + x.q * x.q;
 }
 
+// The EMF is below a share of the voltage circle.
+static bool is_emf_below(const lode_drive_t *self, float share, float omega_rad_s) {
+    return self->tuning->references.psi_Wb * lode_abs(omega_rad_s) <
+           share * self->tuning->current.circle * self->inverter.v_bus_V;
+}
+
 // Voltage is left to drive the current: it should follow its reference.
 static bool may_follow(const lode_drive_t *self, float omega_rad_s) {
-    return self->tuning->references.psi_Wb * lode_abs(omega_rad_s) <
-           EMF_SHARE * self->tuning->current.circle * self->inverter.v_bus_V;
+    return is_emf_below(self, EMF_SHARE, omega_rad_s);
+}
+
+// (K43). Of a current that need not follow: it should turn with its reference nevertheless. A motor without load at the end of
+// its voltage has none.
+static bool should_turn(const lode_drive_t *self, float omega_rad_s) {
+    return squared(self->i_A) >= self->tuning->plausibility.i_min_A2 ||
+           may_follow(self, omega_rad_s) || !is_emf_below(self, NO_LOAD_SHARE, omega_rad_s);
 }
 
 // A phase current that crosses zero requires the voltage of the inductance. Where dead time and drops take more, they hold
@@ -188,9 +202,10 @@ LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, 
 // Decides on three phases that have kept their counts. A current that need not follow may rest at zero for a while, held by
 // dead time, but not for a full turn.
 static uint32_t doubt_of_all(const lode_drive_t *self, lode_plausibility_t *watch, uint32_t doubt,
-                             bool follows) {
+                             float omega_rad_s) {
     lode_plausibility_add(watch, &self->tuning->plausibility, wound_up(self));
-    return follows || lode_abs(watch->turn_rad) >= LODE_TWO_PI ? doubt : 0u;
+    const bool turned = lode_abs(watch->turn_rad) >= LODE_TWO_PI && should_turn(self, omega_rad_s);
+    return may_follow(self, omega_rad_s) || turned ? doubt : 0u;
 }
 
 // Not LODE_RAMFUNC: rarely called, and small fast memories have no room for it.
@@ -211,7 +226,7 @@ LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *w
     uint32_t doubt = lode_plausibility_doubt(watch, tuning, again, i_A2, turn_rad,
                                              lode_abs(self->tuning->sense.i_gain));
     if (none) {
-        doubt = doubt_of_all(self, watch, doubt, follows);
+        doubt = doubt_of_all(self, watch, doubt, omega);
     }
     if (doubt > 0u || watch->sum > 0u || !lode_plausibility_sum_ok(tuning, watch->i)) {
         find(self, watch, doubt);
@@ -236,7 +251,8 @@ static bool should_have_followed(const lode_drive_t *self) {
     const float omega = lode_mode_frame_omega(self);
     const float taken_V = hold_of(self).taken_V;
     return (may_follow(self, omega) && squared(self->u_V) > taken_V * taken_V) ||
-           lode_frozen_turned(&self->frozen, rounds_s(self, 1u) * omega);
+           (lode_frozen_turned(&self->frozen, rounds_s(self, 1u) * omega) &&
+            should_turn(self, omega));
 }
 
 LODE_NOINLINE bool lode_drive_doubt_frozen(lode_drive_t *self) {

@@ -236,9 +236,9 @@ static void test_what_the_phases_should_show(void) {
 }
 
 /// Looks at a current of which no count moves, with an EMF of `share` of the voltage: what is found.
-static lode_check_t found_at_rest(rig_t rig, double share, int checks) {
+static lode_check_t found_at_rest(rig_t rig, double share, float i_A, int checks) {
     const double circle_V = (double)(tuning.current.circle * 200.0f);
-    rig.drive.i_A = (lode_dq_t){0.0f, 0.0f};
+    rig.drive.i_A = (lode_dq_t){0.0f, i_A};
     rig.drive.estimator.pll.omega_rad_s = (float)(share * circle_V / 0.142);
     lode_plausibility_reset(&rig.drive.plausibility);
     for (int check = 0; check < checks; check++) {
@@ -253,9 +253,18 @@ static lode_check_t found_at_rest(rig_t rig, double share, int checks) {
 /// a turn, of some 12 checks here.
 static void test_a_current_that_the_voltage_does_not_allow_is_not_missed(void) {
     const rig_t rig = running(100.0, 8.0);
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 0.78, 12));
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found_at_rest(rig, 0.82, 12));
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 0.82, 18));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 0.78, 0.61f, 12));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found_at_rest(rig, 0.82, 0.61f, 12));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 0.82, 0.61f, 18));
+}
+
+/// (K43). A twentieth of i_max is 0.6 A.
+static void test_without_load_the_emf_may_take_all_of_the_voltage(void) {
+    const rig_t rig = running(100.0, 8.0);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 0.78, 0.59f, 12));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found_at_rest(rig, 0.82, 0.59f, 300));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found_at_rest(rig, 1.24, 0.59f, 300));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 1.26, 0.59f, 18));
 }
 
 /// From every millisecond of a start, with the vector at rest and on its way: what reads no current, and what was read last.
@@ -1136,24 +1145,33 @@ static void test_dead_time_may_keep_a_vector_still(void) {
     TEST_ASSERT_EQUAL_INT(3, checks_until_doubted(rig, -1.01f));
 }
 
-/// Nor has it to follow where the EMF takes the voltage.
+/// Checks until a vector that keeps still is doubted, at most 100, with an EMF of `share` of the voltage.
+static int checks_at_edge(rig_t rig, float share) {
+    const float emf_V = tuning.references.psi_Wb * rig.drive.estimator.pll.omega_rad_s;
+    rig.drive.inverter.v_bus_V = emf_V / (share * tuning.current.circle);
+    rig.drive.u_V = (lode_dq_t){0.0f, 50.0f}; // more than dead time takes
+    rig.drive.frozen = (lode_frozen_t){.checks = 0u};
+    int checks = 0;
+    do {
+        rig.drive.ref_A = (lode_dq_t){0.0f, checks == 0 ? 1.0f : 6.0f};
+        checks++;
+    } while (lode_drive_doubt_frozen(&rig.drive) && checks < 100);
+    return checks;
+}
+
+/// Nor has it to follow where the EMF takes the voltage. It should turn; without load it may be zero (K43).
 static void test_a_vector_need_not_follow_at_the_edge_of_the_voltage(void) {
     rig_t rig = running(80.0, 8.0);
     const double round_rad = 8.0 * RIG_TS_s * (double)rig.drive.estimator.pll.omega_rad_s;
-    const float V = (float)(0.8 * (double)tuning.current.circle);
-    const float emf_V = tuning.references.psi_Wb * rig.drive.estimator.pll.omega_rad_s;
-    rig.drive.frozen = (lode_frozen_t){.checks = 0u};
-    for (int k = 0; k <= 1; k++) {
-        rig_t at = rig;
-        at.drive.inverter.v_bus_V = (k > 0 ? 0.99f : 1.01f) * emf_V / V;
-        at.drive.u_V = (lode_dq_t){0.0f, 50.0f}; // more than dead time takes
-        int checks = 0;
-        do {
-            at.drive.ref_A = (lode_dq_t){0.0f, checks == 0 ? 1.0f : 6.0f};
-            checks++;
-        } while (lode_drive_doubt_frozen(&at.drive) && checks < 100);
-        TEST_ASSERT_EQUAL_INT(k > 0 ? 1 + (int)ceil(2.0 * CHECK_PI / round_rad) : 3, checks);
-    }
+    const int turn = 1 + (int)ceil(2.0 * CHECK_PI / round_rad);
+    rig.drive.i_A = (lode_dq_t){0.0f, 0.61f};
+    TEST_ASSERT_EQUAL_INT(3, checks_at_edge(rig, 0.79f));
+    TEST_ASSERT_EQUAL_INT(turn, checks_at_edge(rig, 0.81f));
+    rig.drive.i_A = (lode_dq_t){0.0f, -0.59f};
+    TEST_ASSERT_EQUAL_INT(3, checks_at_edge(rig, 0.79f));
+    TEST_ASSERT_EQUAL_INT(100, checks_at_edge(rig, 0.81f));
+    TEST_ASSERT_EQUAL_INT(100, checks_at_edge(rig, 1.24f));
+    TEST_ASSERT_EQUAL_INT(turn, checks_at_edge(rig, 1.26f));
 }
 
 /// With a voltage commanded nothing is asked for, and while a start catches no current flows: it begins anew.
@@ -1182,6 +1200,7 @@ int main(void) {
     RUN_TEST(test_a_wrong_sum_of_the_currents_trips_where_it_persists);
     RUN_TEST(test_currents_that_rest_by_the_damping_are_not_stuck);
     RUN_TEST(test_a_current_that_the_voltage_does_not_allow_is_not_missed);
+    RUN_TEST(test_without_load_the_emf_may_take_all_of_the_voltage);
     RUN_TEST(test_adc_channels_stuck_in_a_start_trip_before_the_current_is_large);
     RUN_TEST(test_only_a_voltage_along_the_missing_current_is_wound_up);
     RUN_TEST(test_what_the_phases_should_show);

@@ -223,6 +223,18 @@ def never_ran(checks, folder):
     checks.true("\n0 of 4 passed " in noisy.stdout, f"a motor that cannot start: {noisy.stdout}")
 
 
+def end_of_voltage(checks, folder):
+    """Without load and friction, a speed above what the voltage allows, and a bus that sags: no fault."""
+    for name, rpm, bus_V in [("servo_48V", 4300, 41), ("flat_30W", 5000, 10), ("ebike_hub", 340, 31), ("drone_900KV", 14000, 13)]:
+        for noise_A in [0, 0.02]:
+            done = folder.run("run", "--motor", name, "--drive", name, "--set", "motor.B_Nms=0",
+                              "--set", f"phase.full_speed.speed_rpm={rpm}", "--set", f"plant.i_noise_A={noise_A}",
+                              "--set", f"phase.no_load.speed_rpm={rpm}", "--set", f"phase.no_load.v_bus_V={bus_V}", "--json", "v.json")
+            result = folder.json("v.json")
+            checks.equal([done.returncode, result["fault"]], [0, None], f"{name}, noise {noise_A}: {done.stdout}")
+            checks.equal(done.stdout.count("not reached"), 2, f"{name} is at the end of its voltage: {done.stdout}")
+
+
 def mismatch(checks, folder):
     """The estimator's parameters are other keys than the plant's."""
     def error(*sets):
@@ -417,6 +429,7 @@ def main():
         failed_start(checks, folder)
         warnings(checks, folder)
         never_ran(checks, folder)
+        end_of_voltage(checks, folder)
         mismatch(checks, folder)
         loads(checks, folder)
         hoists(checks, folder)
