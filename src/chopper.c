@@ -1,5 +1,6 @@
 #include "lodestar/chopper.h"
 #include "ramp_inline.h"
+#include "scalar_inline.h"
 
 #include <stddef.h>
 
@@ -30,7 +31,7 @@ lode_status_t lode_chopper_tune(lode_chopper_tuning_t *tuning,
 }
 
 void lode_chopper_reset(lode_chopper_t *self, float heat) {
-    self->heat = lode_clamp(heat, 0.0f, HEAT_MAX);
+    *self = (lode_chopper_t){.heat = lode_clamp(heat, 0.0f, HEAT_MAX)};
 }
 
 // (L5) to (L7)
@@ -40,7 +41,7 @@ float lode_chopper_step(lode_chopper_t *self, const lode_chopper_tuning_t *tunin
     const float borne = 1.0f / lode_max(load, 1.0f);
     const float most = borne + (1.0f - borne) * lode_fade(&tuning->cool, self->heat);
     const float duty = lode_min(wanted, most);
-    const float heat = self->heat + tuning->weight * (duty * load - self->heat);
-    self->heat = lode_min(heat, HEAT_MAX);
+    lode_add_small(&self->heat, &self->rest, tuning->weight * (duty * load - self->heat));
+    self->heat = lode_min(self->heat, HEAT_MAX);
     return duty;
 }

@@ -83,15 +83,14 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
     if (!known || !controlled || !is_finite(command) || (command->clear_fault && !off)) {
         return LODE_ERROR_COMMAND;
     }
-    // A pending command that clears a fault must not be lost: the new one then clears it too.
-    const bool clears = command->clear_fault ||
-                        (self->command_posted == LODE_POST_FULL && lode_mode_clears(&self->posted));
     if (command->mode == LODE_MODE_RUN &&
         lode_abs(command->speed_rad_s) > most_rad_s(self->tuning)) {
         return LODE_ERROR_COMMAND_SPEED;
     }
     LODE_SHARED_STORE(self->command_posted, LODE_POST_NONE);
     LODE_SIGNAL_FENCE();
+    // A command that clears a fault and was not taken yet must not be lost: the new one then clears it too.
+    const bool clears = command->clear_fault || lode_mode_clears(&self->posted);
     lode_order_t order = {
         .speed_rad_s = command->speed_rad_s,
         .mode = (uint_least8_t)command->mode,
@@ -209,6 +208,7 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
             .torque_limited = speed != NULL && is_limited(speed),
             .speed_raised = speed != NULL && is_raised(self),
             .retries = lode_drive_retries(self),
+            .trips = self->guard.trips,
             .signals_checked = lode_drive_knows(self, LODE_KNOWN_SIGNALS),
             .shorted = lode_mode(self) == LODE_MODE_FAULT && lode_mode_shorts(self),
             .duty = self->duty,
@@ -382,7 +382,7 @@ static LODE_NOINLINE void diagnose(lode_drive_t *self, const lode_counts_t *coun
     lode_sample_t sample;
     lode_sense_again(&self->sense, counts, omitted, &sample);
     const bool driven = self->gates;
-    lode_drive_diagnose(self, &self->sense, &sample);
+    lode_drive_diagnose(self, &self->sense, &sample, &self->shorted);
     if (driven && !self->gates) {
         lode_mode_note_trip(self, i_A);
     }
@@ -443,9 +443,10 @@ LODE_INLINE lode_drive_out_t idle(lode_drive_t *self, const lode_sample_t *sampl
                                            sample, &worst_count);
     }
     self->temperature = sample->temperature;
-    if (self->mail) {
+    if (self->mail && !self->guard.fresh) { // a fault is told for a period at least
         (void)lode_mode_take_mail(self);
     }
+    self->guard.fresh = false;
     lode_mode_idle(self, lode_tuning_words(self->tuning), sample, calibration, worst_count);
     return end_idle(self);
 }

@@ -207,8 +207,11 @@ static LODE_NOINLINE void diagnose(lode_drive6_t *self, const lode_counts6_t *co
     lode_sense_again(&drive->sense, &counts->set[0], omitted_1, &set_1);
     lode_sense_again(&self->sense_2, &counts->set[1], omitted_2, &set_2);
     set_2.stamp = set_1.stamp;
-    lode_drive_diagnose(drive, &drive->sense, &set_1);
-    lode_drive_diagnose(drive, &self->sense_2, &set_2);
+    if (driven) {
+        self->shorted_2 = (lode_shorted_t){.periods = 0u}; // set 1 may be what trips
+    }
+    lode_drive_diagnose(drive, &drive->sense, &set_1, &drive->shorted);
+    lode_drive_diagnose(drive, &self->sense_2, &set_2, &self->shorted_2);
     if (driven && !drive->gates) {
         const lode_sets_t i_A = currents(&drive->tuning->sense, i_1, &set_2);
         lode_mode_note_trip(drive, controlled(self, &i_A));
@@ -294,7 +297,7 @@ static LODE_NOINLINE void go_on_alone(lode_drive6_t *self, lode_active_t active,
 static LODE_NOINLINE void on_open_phase(lode_drive6_t *self, lode_open_phase_t open,
                                         lode_ab_t i_A) {
     self->open = open;
-    // One set alone has too little saliency for injection, and cannot start.
+    // One set alone has too little saliency for injection, and cannot take over a start on its way.
     if (self->tuning->open_phase == (uint_least16_t)LODE_OPEN_PHASE_TRIP ||
         lode_mode(&self->drive) != LODE_MODE_RUN ||
         lode_estimator_injects(&self->drive.estimator)) {
@@ -418,9 +421,10 @@ static LODE_NOINLINE lode_drive6_out_t idle(lode_drive6_t *self, const lode_samp
     const lode_sense_tuning_t *tuning = &drive->tuning->sense;
     drive->temperature =
         lode_sense_hotter(tuning, sample->machine.temperature, sample->set_2.temperature);
-    if (drive->mail) {
+    if (drive->mail && !drive->guard.fresh) { // a fault is told for a period at least
         take_mail(self);
     }
+    drive->guard.fresh = false;
     const lode_sample_t *idle = checks_set2(self) ? &sample->set_2 : &sample->machine;
     lode_mode_idle(drive, words_of(self->tuning), idle, calibration, worst_count);
     return end_idle(self);

@@ -34,8 +34,8 @@ void lode_drive_adapt_saturated_lag(lode_drive_t *self);
 #endif
 
 // In drive_watch.c: rare cases. A sample failed the guard's fast checks; a trip switches off at once.
-void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
-                         const lode_sample_t *sample);
+void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense, const lode_sample_t *sample,
+                         lode_shorted_t *shorted);
 // The guard's slow checks have found something to count.
 void lode_drive_check_slow(lode_drive_t *self);
 // Counts the rounds in which the readings of temperature and bus do not change.

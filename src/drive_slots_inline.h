@@ -22,8 +22,9 @@ LODE_INLINE void lode_drive_count_proof(lode_drive_t *self) {
 #ifdef LODE_WITHOUT_HANDOVER_RETRY
     (void)self;
 #else
-    if (self->state.run.proving > 0u) {
-        self->state.run.proving--;
+    const uint32_t proving = self->state.run.proving;
+    if (proving > 0u && proving != LODE_PROVING_ENDLESS) {
+        self->state.run.proving = (uint_least16_t)(proving - 1u);
     }
 #endif
 }

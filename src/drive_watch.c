@@ -35,32 +35,32 @@
 #define R_UNSURE 0.5f
 #define FLUX_CURRENT 9.0f // squared: 3 times the least current to be judged, 0.15 of i_max
 #define FLUX_s 0.05f      // longer than a fast speed change makes the estimated speed lag the EMF
-#define FLUX_ROUNDS_MAX 255u
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
-// In FAULT with an open bridge, i.e. without an active short. Above the bus voltage the EMF drives current through the diodes
-// of a healthy bridge too.
-static bool is_open(const lode_drive_t *self) {
-    const float emf_V =
-        LODE_SQRT3 * self->tuning->references.psi_Wb * lode_abs(self->estimator.pll.omega_rad_s);
-    return lode_mode(self) == LODE_MODE_FAULT && !lode_mode_shorts(self) &&
-           emf_V <= self->inverter.v_bus_V;
+// Half a turn, where the EMF drives current through the diodes of a healthy bridge too.
+static uint32_t half_turn(const lode_drive_t *self) {
+    const float omega = self->estimator.pll.omega_rad_s;
+    const float emf_V = LODE_SQRT3 * self->tuning->references.psi_Wb * lode_abs(omega);
+    return lode_guard_half_turn(emf_V, self->inverter.v_bus_V,
+                                self->tuning->estimator.pll.ts_s * omega);
 }
 
 #endif
 
 LODE_NOINLINE void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
-                                       const lode_sample_t *sample) {
+                                       const lode_sample_t *sample, lode_shorted_t *shorted) {
     if (self->gates || lode_mode_precharges(self)) {
+        *shorted = (lode_shorted_t){.periods = 0u};
         lode_guard_diagnose(&self->guard, &self->tuning->guard, sense, &self->tuning->sense, sample,
                             self->mode);
         lode_mode_obey_guard(self);
         return;
     }
 #ifndef LODE_WITHOUT_PLAUSIBILITY
-    if (is_open(self)) {
-        lode_guard_suspect(&self->guard, &self->tuning->guard, &self->tuning->sense, sample);
+    if (lode_mode(self) == LODE_MODE_FAULT && !lode_mode_shorts(self)) { // the bridge is open
+        lode_guard_suspect(&self->guard, &self->tuning->guard, &self->tuning->sense, sample,
+                           shorted, half_turn(self));
     }
 #endif
 }
@@ -118,9 +118,10 @@ static bool may_follow(const lode_drive_t *self, float omega_rad_s) {
 }
 
 // (K43). Of a current that need not follow: it should turn with its reference nevertheless. A motor without load at the end of
-// its voltage has none.
+// its voltage has none, and had hardly any before.
 static bool should_turn(const lode_drive_t *self, float omega_rad_s) {
-    return squared(self->i_A) >= self->tuning->plausibility.i_min_A2 ||
+    const float flows_A2 = self->tuning->plausibility.i_min_A2;
+    return squared(self->i_A) >= flows_A2 || self->frozen.moved_A2 >= flows_A2 ||
            may_follow(self, omega_rad_s) || !is_emf_below(self, NO_LOAD_SHARE, omega_rad_s);
 }
 
@@ -563,8 +564,8 @@ LODE_NOINLINE bool lode_drive_judge_flux(lode_drive_t *self) {
         return true;
     }
     const uint32_t rounds = guard->flux_rounds + 1u;
-    guard->flux_rounds = (uint_least8_t)rounds;
-    if (rounds >= FLUX_ROUNDS_MAX || rounds_s(self, rounds) >= FLUX_s) {
+    guard->flux_rounds = (uint_least16_t)rounds;
+    if (rounds_s(self, rounds) >= FLUX_s) {
         lode_mode_fault(self, LODE_CHECK_FLUX, flux.seen_Wb, flux.expected_Wb);
     }
     return self->gates;
@@ -615,6 +616,9 @@ LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self) {
     lode_guard_check_slow(&self->guard, &self->tuning->guard, lode_drive_condition(self), now);
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
     lode_mode_prove_start(self);
+#endif
+#ifndef LODE_WITHOUT_HFI
+    lode_mode_find_lost(self);
 #endif
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     name_lost_lock(self);

@@ -52,7 +52,7 @@ lode_status_t lode_encoder_tune(lode_encoder_tuning_t *tuning, const lode_encode
     const float rad_per_count = LODE_TWO_PI * (float)pole_pairs / (float)config->counts_per_turn;
     const float finer = lode_min(1.0f, lode_sqrt(FINE_rad / rad_per_count));
     const float bandwidth = lode_given_or(config->bandwidth_rad_s, BANDWIDTH_SHARE * finer / ts_s);
-    // With injection omega_min is 0.
+    // With injection there is no lowest speed: omega_min is negative.
     const float by_default =
         drive->omega_min > 0.0f ? drive->omega_min : drive->start.omega_handover;
     const float omega_check = lode_given_or(config->omega_check_rad_s, by_default);

@@ -43,8 +43,9 @@ static lode_telemetry_t *tripped_row(const lode_fault_log_t *self, uint32_t back
 
 bool lode_fault_log_step(lode_fault_log_t *self, const lode_telemetry_t *telemetry) {
     const bool fault = telemetry->mode == LODE_MODE_FAULT;
-    const bool noted = fault && self->faulted;
+    const bool noted = fault && self->faulted && self->trips == telemetry->trips;
     self->faulted = fault;
+    self->trips = telemetry->trips;
     if (noted) { // the same fault, perhaps named more precisely
         tripped_row(self, 0u)->fault = telemetry->fault; // if erased meanwhile, an unused row
         return false;

@@ -15,7 +15,9 @@
 #define STAMP_TOLERANCE 0.25f // of a period
 // with the time until all the torque is requested, in less than 0.1 s
 #define OVERLOAD_s 0.03f
-#define MIDDLE_SHARE 0.1f // of the largest current: well above offsets, noise and gain errors
+#define HALF_TURN_rad 3.1415927f
+#define PERIODS_MAX 32768.0f // of half a turn: the counter takes as much again
+#define MIDDLE_SHARE 0.1f    // of the largest current: well above offsets, noise and gain errors
 
 #define NAME(check)                                                                                \
     case check:                                                                                    \
@@ -164,7 +166,7 @@ lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_conf
 }
 
 void lode_guard_reset(lode_guard_t *self) {
-    *self = (lode_guard_t){.stamp = self->stamp};
+    *self = (lode_guard_t){.stamp = self->stamp, .trips = self->trips};
 }
 
 LODE_SMALL_CALL void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lode_check_t check,
@@ -172,6 +174,7 @@ LODE_SMALL_CALL void lode_guard_trip(lode_guard_t *self, uint_least8_t state, lo
     if (self->fault.check == (uint_least8_t)LODE_CHECK_NONE) {
         self->fault = (lode_fault_t){
             .state = state, .check = (uint_least8_t)check, .measured = measured, .limit = limit};
+        self->trips = (uint_least16_t)(self->trips + 1u);
     }
 }
 
@@ -219,6 +222,11 @@ LODE_NOINLINE void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuni
     }
 }
 
+uint32_t lode_guard_half_turn(float emf_V, float v_bus_V, float step_rad) {
+    const float periods = HALF_TURN_rad / lode_max(lode_abs(step_rad), HALF_TURN_rad / PERIODS_MAX);
+    return emf_V > v_bus_V ? (uint32_t)periods : 0u;
+}
+
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
 // Current of the phase with a shorted switch; 0: not visible now. With a low side shorted, current leaves the motor through
@@ -239,7 +247,8 @@ static float shorted_A(const lode_sense_tuning_t *sense, const lode_sample_t *sa
 
 LODE_NOINLINE void lode_guard_suspect(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                                       const lode_sense_tuning_t *sense_tuning,
-                                      const lode_sample_t *sample) {
+                                      const lode_sample_t *sample, lode_shorted_t *shorted,
+                                      uint32_t half_turn) {
     const uint32_t check = self->fault.check;
     const float i_A = shorted_A(sense_tuning, sample);
     const bool suspect =
@@ -247,12 +256,10 @@ LODE_NOINLINE void lode_guard_suspect(lode_guard_t *self, const lode_guard_tunin
     if (!suspect || !(lode_abs(i_A) > tuning->i_trip)) {
         return;
     }
-    // With the gates off `rail` and `railed` are free: they count periods with the same sign of the current.
     const bool low = i_A < 0.0f;
-    self->rail = low == self->railed ? self->rail : 0u;
-    self->railed = low;
-    if (persists(self, &self->rail, true,
-                 (uint32_t)tuning->bus_periods + LODE_GUARD_DECAY_PERIODS)) {
+    const uint32_t periods = low == shorted->low ? shorted->periods + 1u : 1u;
+    *shorted = (lode_shorted_t){.periods = (uint_least16_t)periods, .low = low};
+    if (periods >= (uint32_t)tuning->bus_periods + LODE_GUARD_DECAY_PERIODS + half_turn) {
         self->fault.check = (uint_least8_t)LODE_CHECK_SWITCH_SHORTED;
         self->fault.measured = i_A;
         self->fault.limit = tuning->i_trip;

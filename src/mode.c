@@ -10,7 +10,6 @@
 
 // A sensor's estimate counts as present in the whole round of slow jobs that follows it.
 #define SENSOR_ROUNDS 2u
-#define PROVING_ENDLESS 0xffffu // in rounds, 13 s at 40 kHz: longer than a rotor takes to stop
 
 void lode_mode_set(lode_drive_t *self, lode_mode_t mode) {
     self->mode = (uint_least8_t)mode;
@@ -65,7 +64,10 @@ void lode_mode_reset_guard(lode_drive_t *self) {
 
 LODE_NOINLINE void lode_mode_prove_start(lode_drive_t *self) {
     const uint_least8_t losses = self->losses;
-    if (lode_mode(self) == LODE_MODE_RUN && self->state.run.proving > 0u &&
+    const uint32_t found = self->guard.fault.check; // in this very check
+    const bool other =
+        found != (uint32_t)LODE_CHECK_NONE && found != (uint32_t)LODE_CHECK_LOST_LOCK;
+    if (lode_mode(self) == LODE_MODE_RUN && self->state.run.proving > 0u && !other &&
         lode_mode_loses_lock(self) && losses < LODE_START_LOSSES_MAX) {
         self->guard.fault = (lode_fault_t){.state = self->mode,
                                            .criterion = (uint_least8_t)LODE_CRITERION_PROOF,
@@ -85,6 +87,7 @@ LODE_NOINLINE void lode_mode_obey_guard(lode_drive_t *self) {
             self->guard.fault.stage = self->state.start.stage;
         }
         open_gates(self, LODE_MODE_FAULT);
+        self->guard.fresh = true;
         self->losses = failed; // failed attempts stay readable with the fault
     }
 }
@@ -181,13 +184,11 @@ void lode_mode_switch_on(lode_drive_t *self, lode_mode_t mode) {
     lode_mode_set(self, mode);
 }
 
-// Resets the counters of RUN: the start uses the guard's counter of the lock too (S34).
+// Resets the counters of RUN: the start uses those of lock and speed too (S34), (S36).
 static void begin_counts(lode_drive_t *self) {
-#ifdef LODE_WITHOUT_PLAUSIBILITY
-    (void)self;
-#else
     self->guard.lock = 0u;
     self->guard.speed = 0u;
+#ifndef LODE_WITHOUT_PLAUSIBILITY
     self->guard.flux_rounds = 0u;
     self->state.run.waves = (lode_half_waves_t){.idle = 0u};
     self->state.run.load = (lode_load_t){.held_rad_s = self->estimator.pll.omega_rad_s};
@@ -198,7 +199,7 @@ static void begin_counts(lode_drive_t *self) {
 
 uint_least16_t lode_mode_rounds_to_prove(const lode_drive_t *self, float omega_rad_s) {
     const bool opposite = omega_rad_s * self->command.speed_rad_s < 0.0f;
-    return opposite ? PROVING_ENDLESS : self->tuning->start.patience_rounds;
+    return opposite ? LODE_PROVING_ENDLESS : self->tuning->start.patience_rounds;
 }
 
 #endif
@@ -264,6 +265,7 @@ LODE_NOINLINE bool lode_mode_take_mail(lode_drive_t *self) {
     }
     if (self->command_posted == LODE_POST_FULL) {
         self->command = self->posted;
+        self->posted.flags = 0u; // clears no other fault
         LODE_SHARED_STORE(self->command_posted, LODE_POST_NONE);
         clears = clear_at_once(self);
     }
@@ -304,7 +306,9 @@ void lode_mode_hand_over(lode_drive_t *self) {
                      lode_references_most_Nm(&tuning->references));
     run->fade = 1.0f;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    run->proving = caught ? lode_mode_rounds_to_prove(self, omega) : tuning->start.patience_rounds;
+    const uint_least16_t rounds =
+        caught ? lode_mode_rounds_to_prove(self, omega) : tuning->start.patience_rounds;
+    run->proving = lode_mode_is_sensored(self) ? 0u : rounds; // another attempt has the same sensor
 #endif
     begin_counts(self);
     run->id_A = i_A.d - lode_references_id_A(&tuning->references, torque, omega);
@@ -327,6 +331,8 @@ LODE_NOINLINE void lode_mode_hand_back(lode_drive_t *self) {
         self->losses = 0u; // otherwise it is still the same start
     }
 #endif
+    self->guard.lock = 0u;
+    self->guard.speed = 0u; // of RUN; (S34) and (S36) count with them
     lode_start_reset(&self->state.start, lode_angle_add(rotor, ahead),
                      self->estimator.pll.omega_rad_s, current_A);
     count_start(self);

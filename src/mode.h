@@ -203,9 +203,14 @@ static inline bool lode_mode_shorts(const lode_drive_t *self) {
         return false;
     }
     const uint32_t cause = self->guard.fault.check;
+    const bool shorted = cause == (uint32_t)LODE_CHECK_SWITCH_SHORTED;
+    if (shorted &&
+        !(self->guard.fault.measured < 0.0f)) { // a high side: the low sides would short the bus
+        return false;
+    }
     // The cause may be a shorted switch. It takes an OFF command, from someone who has checked, to switch the low sides on.
-    const bool suspect =
-        cause == (uint32_t)LODE_CHECK_HARDWARE_TRIP || cause == (uint32_t)LODE_CHECK_OVER_CURRENT;
+    const bool suspect = shorted || cause == (uint32_t)LODE_CHECK_HARDWARE_TRIP ||
+                         cause == (uint32_t)LODE_CHECK_OVER_CURRENT;
     return lode_mode(self) == LODE_MODE_FAULT &&
            (!suspect || self->command.mode == (uint_least8_t)LODE_MODE_OFF);
 #endif
@@ -226,6 +231,9 @@ static inline lode_drive_out_t lode_mode_idle_out(const lode_drive_t *self,
     const bool pulses = lode_mode_precharges(self) && lode_mode_pulses(self);
     return (lode_drive_out_t){*duty, pulses ? LODE_GATES_LOW : LODE_GATES_OFF};
 }
+
+// Rounds left to prove a start that are not counted down: it takes another start.
+#define LODE_PROVING_ENDLESS 0xffffu
 
 // With every leg at half duty there is no voltage between the phases.
 #define LODE_DUTY_IDLE 0.5f
@@ -250,6 +258,11 @@ lode_control_frame_t lode_mode_control_frame(lode_drive_t *self);
 
 // From RUN back to START, below the speed that the EMF requires (S11).
 void lode_mode_hand_back(lode_drive_t *self);
+
+#ifndef LODE_WITHOUT_HFI
+// After the guard's checks: with injection, a rotor that is about to be lost is looked for.
+void lode_mode_find_lost(lode_drive_t *self);
+#endif
 
 // SLOT_GAINS with injection configured: begins it, follows the speed, ends it. True: it injects, and the PLL has its gains.
 bool lode_mode_inject(lode_drive_t *self);

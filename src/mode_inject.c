@@ -155,11 +155,15 @@ static bool may_be_open(const lode_drive_t *self) {
 
 #endif
 
-// RUN is about to trip for lost lock, at a speed at which injection can find the rotor, and not because a phase is open (K41).
-static bool is_lost(const lode_drive_t *self) {
-    return lode_mode_loses_lock(self) && self->losses < LOSSES_MAX && !may_be_open(self) &&
-           lode_abs(self->estimator.pll.omega_rad_s) <
-               LOST_SPEED * self->tuning->estimator.hfi.omega_high;
+LODE_NOINLINE void lode_mode_find_lost(lode_drive_t *self) {
+    const lode_hfi_tuning_t *tuning = &self->tuning->estimator.hfi;
+    const bool searches = lode_hfi_is_on(tuning) && lode_mode(self) == LODE_MODE_RUN &&
+                          !lode_mode_is_sensored(self) && lode_guard_is_good(&self->guard);
+    // Not where a phase is open (K41).
+    if (searches && lode_mode_loses_lock(self) && self->losses < LOSSES_MAX && !may_be_open(self) &&
+        lode_abs(self->estimator.pll.omega_rad_s) < LOST_SPEED * tuning->omega_high) {
+        find_again(self);
+    }
 }
 
 static void inject_running(lode_drive_t *self) {
@@ -167,10 +171,6 @@ static void inject_running(lode_drive_t *self) {
     const float omega = estimator->pll.omega_rad_s;
     if (self->losses > 0u && self->steps / LODE_SLOW_PERIODS % FORGET_ROUNDS == 0u) {
         self->losses--;
-    }
-    if (is_lost(self)) {
-        find_again(self);
-        return;
     }
     if (lode_hfi_follow(&estimator->by.hfi, &self->tuning->estimator.hfi, self->i_A, omega)) {
         const lode_estimator_tuning_t *tuning = &self->tuning->estimator;

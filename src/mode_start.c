@@ -168,8 +168,8 @@ static lode_fault_t astray(const lode_drive_t *self) {
     return (lode_fault_t){.state = self->mode,
                           .stage = start->stage,
                           .criterion = (uint_least8_t)LODE_CRITERION_SPEED,
-                          .measured = omega,
-                          .limit = back ? 0.0f : lode_sign(omega) * most};
+                          .measured = back ? -lode_abs(omega) : lode_abs(omega),
+                          .limit = back ? 0.0f : most};
 }
 
 // (S36), with the lock quality of a hand-over: the load turns the rotor against the command while the vector does not turn

@@ -68,9 +68,11 @@ LODE_INLINE bool lode_frozen_moves(lode_frozen_t *self, const lode_plausibility_
                                    lode_ab_t i_A) {
     const float alpha = i_A.alpha - self->i_A.alpha;
     const float beta = i_A.beta - self->i_A.beta;
-    if (alpha * alpha + beta * beta <= tuning->frozen_A2) {
+    const float moved_A2 = alpha * alpha + beta * beta;
+    if (moved_A2 <= tuning->frozen_A2) {
         return false;
     }
+    self->moved_A2 = moved_A2;
     self->i_A = i_A;
     self->checks = 0u;
     return true;

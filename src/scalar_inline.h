@@ -14,6 +14,14 @@ LODE_SHARED lode_sincos_t lode_sincos_octant(float x_rad) {
                                    x2 * (-1.38875865646e-3f + x2 * 2.44634525345e-5f)))};
 }
 
+// Adds to a sum what may be less than its last digit: `rest` keeps what rounding leaves out (K35).
+LODE_INLINE void lode_add_small(float *sum, float *rest, float x) {
+    const float before = *sum;
+    const float moved = x + *rest;
+    *sum = before + moved;
+    *rest = moved - (*sum - before);
+}
+
 // For a frame that is normalised later: error at most x^4/24 in length and x^5/30 in angle, 3e-5 rad for |x| <= 0.25.
 LODE_INLINE lode_sincos_t lode_sincos_small(float x_rad) {
     const float half_x2 = 0.5f * x_rad * x_rad;

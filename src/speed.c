@@ -1,3 +1,4 @@
+#include "scalar_inline.h"
 #include "speed_inline.h"
 
 // (K22): the largest bandwidth is sigma/(one + delay tau).
@@ -282,10 +283,7 @@ LODE_NOINLINE float lode_speed_shaped_step(lode_speed_t *self, const lode_speed_
         self->left_rad_s = 0.0f;
         return step;
     }
-    // (K35): what the sum loses is added to the next step.
-    const float moved = self->left_rad_s + step;
-    self->reference_rad_s = before + moved;
-    self->left_rad_s = moved - (self->reference_rad_s - before);
+    lode_add_small(&self->reference_rad_s, &self->left_rad_s, step);
     return step;
 }
 

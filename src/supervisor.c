@@ -1,4 +1,5 @@
 #include "lodestar/supervisor.h"
+#include "scalar_inline.h"
 
 #include <stddef.h>
 
@@ -10,7 +11,8 @@
 #define GOOD_s 10.0f // longer than a start with its ramp
 #define GOOD_MAX_s 1.0e5f
 #define TIME_MIN_s 1.0e-3f
-#define LESS_EMF 0.9f // of the bus: EMF at which the short ends, clear of noise and ripple
+#define LOOK_HALF_TURNS 4u // of a motor whose EMF is above the bus
+#define LESS_EMF 0.9f      // of the bus: EMF at which the short ends, clear of noise and ripple
 
 #ifdef LODE_WITHOUT_ACTIVE_SHORT
 #define IS_SHORT_BUILT_IN false
@@ -94,17 +96,38 @@ bool lode_supervisor_is_latched(const lode_supervisor_t *self, const lode_teleme
     return count > most; // used up by resets
 }
 
-// The peak of the line-to-line EMF is above the bus, so that the diodes would conduct.
-static bool generates(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
-    const float emf_V =
-        LODE_SQRT3 * self->tuning->references.psi_Wb * lode_abs(telemetry->omega_rad_s);
-    const float share = self->shorts ? LESS_EMF : 1.0f;
-    return self->config->active_short == LODE_ON && emf_V > share * telemetry->v_bus_V;
+// Peak of the line-to-line EMF.
+static float emf_V(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
+    return LODE_SQRT3 * self->tuning->references.psi_Wb * lode_abs(telemetry->omega_rad_s);
 }
 
-// The guard has had the time to find a shorted switch.
+// It is above the bus, so that the diodes would conduct.
+static bool generates(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
+    const float share = self->shorts ? LESS_EMF : 1.0f;
+    return self->config->active_short == LODE_ON &&
+           emf_V(self, telemetry) > share * telemetry->v_bus_V;
+}
+
+// Whether the motor is to be shorted after a fault. With the gates off the speed is unknown; a vector that turns has started
+// from rest.
+static bool shorts_next(const lode_supervisor_t *self, const lode_telemetry_t *telemetry,
+                        lode_mode_t wanted) {
+    if (telemetry->mode == LODE_MODE_RUN) {
+        return generates(self, telemetry);
+    }
+    const bool turned =
+        telemetry->mode == LODE_MODE_START && telemetry->start_stage > LODE_START_CATCH;
+    const bool off = telemetry->mode == LODE_MODE_OFF && wanted == LODE_MODE_OFF;
+    return self->shorts && !turned && !off;
+}
+
+// The guard has had the time to find a shorted switch. Its current is above the limit for a part of each turn.
 static bool has_waited(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
-    const uint32_t needed = (uint32_t)self->tuning->guard.bus_periods + LODE_GUARD_DECAY_PERIODS;
+    const float step_rad = self->tuning->estimator.pll.ts_s * telemetry->omega_rad_s;
+    const uint32_t half_turn =
+        lode_guard_half_turn(emf_V(self, telemetry), telemetry->v_bus_V, step_rad);
+    const uint32_t needed = (uint32_t)self->tuning->guard.bus_periods + LODE_GUARD_DECAY_PERIODS +
+                            LOOK_HALF_TURNS * half_turn;
     return telemetry->steps - self->faulted_at > needed;
 }
 
@@ -140,13 +163,23 @@ static bool is_time(const lode_supervisor_t *self, const lode_telemetry_t *telem
                : self->time_s >= self->wait_s;
 }
 
+// `goes_on`: otherwise it begins anew.
+static void count_time(lode_supervisor_t *self, bool goes_on, float dt_s) {
+    if (goes_on) {
+        lode_add_small(&self->time_s, &self->rest_s, dt_s);
+    } else {
+        self->time_s = 0.0f;
+        self->rest_s = 0.0f;
+    }
+}
+
 // OFF; it clears the fault when it is time for an attempt.
 static lode_command_t after_fault(lode_supervisor_t *self, const lode_telemetry_t *telemetry,
                                   float dt_s) {
     if (self->posted && self->posted_at == telemetry->steps) { // a loop faster than the interrupt
         return (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true};
     }
-    self->time_s = self->waits ? self->time_s + dt_s : 0.0f;
+    count_time(self, self->waits, dt_s);
     const bool now = !lode_supervisor_is_latched(self, telemetry) && is_time(self, telemetry);
     if (now) {
         count_one(self->attempts);
@@ -165,7 +198,7 @@ static lode_command_t off(lode_supervisor_t *self, const lode_telemetry_t *telem
         set_count(self->attempts, 0u);
     }
     self->waits = false;
-    self->time_s = 0.0f;
+    count_time(self, false, 0.0f);
     return with_short(wanted, telemetry->mode == LODE_MODE_FAULT && shorts_after(self, telemetry));
 }
 
@@ -173,18 +206,19 @@ lode_command_t lode_supervisor_step(lode_supervisor_t *self, const lode_telemetr
                                     lode_command_t wanted, float dt_s) {
     const bool fault = telemetry->mode == LODE_MODE_FAULT;
     const bool runs = telemetry->mode == LODE_MODE_RUN;
-    if (fault && !self->faulted) {
+    if (fault && !(self->faulted && self->trips == telemetry->trips)) {
         self->faulted_at = telemetry->steps;
     }
     self->faulted = fault;
-    self->shorts = runs ? generates(self, telemetry) : self->shorts;
+    self->trips = telemetry->trips;
+    self->shorts = shorts_next(self, telemetry, wanted.mode);
     if (wanted.mode == LODE_MODE_OFF) {
         return off(self, telemetry, wanted);
     }
     if (fault) {
         return after_fault(self, telemetry, dt_s);
     }
-    self->time_s = runs && !self->waits ? self->time_s + dt_s : 0.0f;
+    count_time(self, runs && !self->waits, dt_s);
     self->waits = false;
     if (self->time_s >= self->good_s) {
         set_count(self->attempts, 0u);

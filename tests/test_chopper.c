@@ -100,6 +100,26 @@ static void test_one_that_bears_full_duty_has_it_for_ever(void) {
     CHECK_NEAR(1.0e-6, 1.0, duty);
 }
 
+/// A resistor that takes a quarter of an hour to get warm, and a call every 50 us: each adds less than a float of that size holds.
+static void test_heat_in_small_portions_adds_up(void) {
+    lode_chopper_config_t slow = sound;
+    slow.thermal_s = 1000.0f;
+    slow.period_s = 50.0e-6f;
+    lode_chopper_tuning_t tuning;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_chopper_tune(&tuning, &slow));
+    lode_chopper_t chopper;
+    lode_chopper_reset(&chopper, 0.85f);
+    // (L6) with twice the lasting power: 0.85 + (2 - 0.85) (1 - exp(-20/1000)).
+    const double on_V = sqrt(2.0 * (double)slow.power_W * (double)slow.R_Ohm);
+    chopper.heat = 0.85f;
+    tuning.on_V = 0.0f;
+    tuning.inv_span = 1.0f;
+    for (int n = 0; n < 400000; n++) {
+        (void)lode_chopper_step(&chopper, &tuning, (float)on_V);
+    }
+    CHECK_NEAR(1.0e-4, 0.85 + 1.15 * (1.0 - exp(-0.02)), (double)chopper.heat);
+}
+
 static void test_heat_stays_bounded(void) {
     const lode_chopper_tuning_t tuning = tuned();
     lode_chopper_t chopper;
@@ -189,6 +209,7 @@ int main(void) {
     RUN_TEST(test_the_duty_follows_the_bus);
     RUN_TEST(test_the_resistor_is_not_overheated);
     RUN_TEST(test_one_that_bears_full_duty_has_it_for_ever);
+    RUN_TEST(test_heat_in_small_portions_adds_up);
     RUN_TEST(test_heat_stays_bounded);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_a_hot_resistor_has_its_lasting_power);

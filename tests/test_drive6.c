@@ -448,6 +448,33 @@ static void test_a_trip_of_either_set_switches_both_off_at_once(void) {
     }
 }
 
+/// Each set has a bridge of its own: one that is shorted is found as in a drive of one set, whatever flows in the other.
+static void test_a_shorted_switch_of_either_set_is_found(void) {
+    const lode_drive6_config_t config = rig6_config();
+    for (int n = 0; n < 4;
+         n++) { // set 1 or 2; the other one has no current, or one of the other sign that changes
+        rig6_t rig = turning(&config, 300.0, 0.0);
+        const int set = n % 2;
+        rig.trip[set] = true;
+        rig6_step(&rig);
+        rig.trip[set] = false;
+        const int periods =
+            (int)(rig.drive.tuning->drive.guard.bus_periods + LODE_GUARD_DECAY_PERIODS);
+        for (int k = 1; k <= periods; k++) {
+            const int other = n < 2 ? 0 : (k % 2 == 0 ? -1 : 1);
+            lode_counts6_t counts = rig6_counts(&rig);
+            for (int phase = 0; phase < 3; phase++) {
+                const int share = phase == 0 ? 1900 : -950;
+                counts.set[set].i[phase] = (uint16_t)(2048 + share);
+                counts.set[1 - set].i[phase] = (uint16_t)(2048 + other * share);
+            }
+            TEST_ASSERT_EQUAL_INT(LODE_CHECK_HARDWARE_TRIP, rig6_telemetry(&rig).drive.fault.check);
+            (void)lode_drive6_step(&rig.drive, &counts);
+        }
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_SWITCH_SHORTED, rig6_telemetry(&rig).drive.fault.check);
+    }
+}
+
 static void test_a_fault_shorts_both_sets_where_that_is_commanded(void) {
     const lode_drive6_config_t config = rig6_config();
     rig6_t rig = turning(&config, 300.0, 0.0);
@@ -1480,6 +1507,7 @@ int main(void) {
     RUN_TEST(test_a_stuck_adc_channel_is_reported_before_an_offset_of_the_other_set);
     RUN_TEST(test_a_calibration_takes_a_phase_that_a_run_left_out);
     RUN_TEST(test_a_trip_of_either_set_switches_both_off_at_once);
+    RUN_TEST(test_a_shorted_switch_of_either_set_is_found);
     RUN_TEST(test_a_fault_shorts_both_sets_where_that_is_commanded);
     RUN_TEST(test_over_current_in_set_2_is_seen);
     RUN_TEST(test_the_current_of_a_trip_is_reported);

@@ -247,6 +247,45 @@ static void test_a_current_that_flows_on_is_a_shorted_switch(void) {
     CHECK_NEAR(1.0e-3, 18.0, rig_telemetry(&rig).fault.limit);
 }
 
+/// With a high side shorted the low sides would short the bus, whatever is commanded.
+static void test_a_shorted_high_side_is_never_joined_by_the_low_sides(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int says_off = 0; says_off <= 1; says_off++) {
+            rig_t rig = holding();
+            rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT,
+                                               .vector = {4.0f, 0.0f},
+                                               .active_short = true});
+            rig_step(&rig);
+            TEST_ASSERT_EQUAL_INT(LODE_CHECK_SWITCH_SHORTED, after_current(&rig, sign, 10));
+            if (says_off == 1) {
+                rig_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF, .active_short = true});
+            }
+            const lode_counts_t counts = rig_counts(&rig);
+            const lode_drive_out_t out = lode_drive_step(&rig.drive, &counts);
+            TEST_ASSERT_EQUAL_INT(says_off == 1 && sign < 0, is_shorted(out));
+            TEST_ASSERT_EQUAL_INT(says_off == 0 || sign > 0, is_idle(out));
+        }
+    }
+}
+
+/// A clear that was posted before the fault does not hide it.
+static void test_a_fault_is_told_for_a_period_at_least(void) {
+    rig_t rig = holding();
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true});
+    rig.trip = true;
+    rig_step(&rig);
+    rig.trip = false;
+    rig_expect(&rig, LODE_MODE_FAULT);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_HARDWARE_TRIP, rig_telemetry(&rig).fault.check);
+    TEST_ASSERT_EQUAL_UINT(1u, rig_telemetry(&rig).trips);
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_OFF);
+    TEST_ASSERT_EQUAL_UINT(1u, rig_telemetry(&rig).trips);
+    // Nor does one that was taken clear the next fault with a later command.
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT, .vector = {4.0f, 0.0f}});
+    TEST_ASSERT_FALSE(((uint32_t)rig.drive.posted.flags & (uint32_t)LODE_ORDER_CLEAR_FAULT) != 0u);
+}
+
 /// A fault of 62 A and more is beyond what 12 bits show: the phase in the middle still tells the side.
 static void test_samples_at_the_rails_tell_the_side_too(void) {
     for (int high = 0; high <= 1; high++) {
@@ -299,10 +338,18 @@ static void test_other_currents_with_the_gates_off_are_no_shorted_switch(void) {
     rig.sag_V = 150.0;
     rig_run(&rig, 0.01); // of another cause
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_UNDER_VOLTAGE, after_current(&rig, 1, 50));
+    // 221 V between the lines, by the diodes of a sound bridge: a sixth of a turn each way.
     rig = holding();
     (void)after_current(&rig, 1, 1);
-    rig.drive.estimator.pll.omega_rad_s = 900.0f; // 221 V between the lines, by the diodes
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_CURRENT, after_current(&rig, 1, 50));
+    rig.drive.estimator.pll.omega_rad_s = 900.0f;
+    for (int n = 0; n < 50; n++) {
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_CURRENT, after_current(&rig, n % 2 == 0 ? 1 : -1, 6));
+    }
+    // One that keeps its side for half a turn, 17 periods, and what it takes below.
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_CURRENT, after_current(&rig, 1, 25));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_SWITCH_SHORTED, after_current(&rig, 1, 1));
+    rig = holding();
+    (void)after_current(&rig, 1, 1);
     rig.drive.estimator.pll.omega_rad_s = -800.0f; // 197 V of 200 V
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_SWITCH_SHORTED, after_current(&rig, 1, 10));
     rig = holding();
@@ -802,6 +849,8 @@ int main(void) {
     RUN_TEST(test_a_fault_shorts_the_motor_where_that_is_commanded);
     RUN_TEST(test_a_trip_by_current_shorts_nothing_by_itself);
     RUN_TEST(test_a_current_that_flows_on_is_a_shorted_switch);
+    RUN_TEST(test_a_shorted_high_side_is_never_joined_by_the_low_sides);
+    RUN_TEST(test_a_fault_is_told_for_a_period_at_least);
     RUN_TEST(test_samples_at_the_rails_tell_the_side_too);
     RUN_TEST(test_a_shorted_switch_shows_one_side);
     RUN_TEST(test_other_currents_with_the_gates_off_are_no_shorted_switch);

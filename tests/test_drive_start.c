@@ -683,6 +683,24 @@ static void test_a_start_is_proven_to_the_round(void) {
     }
 }
 
+/// What the same check finds besides the lock stays latched.
+static void test_a_lock_that_is_lost_hides_no_other_fault(void) {
+    rig_t rig = handed_over();
+    rig.drive.guard.lock = (uint_least16_t)tuning.guard.lock_checks;
+    rig.drive.state.run.proving = 100u;
+    for (int n = 0; n < 3; n++) {
+        rig_t at = rig;
+        const lode_check_t check = n == 0   ? LODE_CHECK_NONE
+                                   : n == 1 ? LODE_CHECK_LOST_LOCK
+                                            : LODE_CHECK_OVER_VOLTAGE;
+        at.drive.guard.fault.check = (uint_least8_t)check;
+        lode_mode_prove_start(&at.drive);
+        TEST_ASSERT_EQUAL_INT(n < 2 ? LODE_MODE_OFF : LODE_MODE_RUN, at.drive.mode);
+        TEST_ASSERT_EQUAL_INT(n < 2 ? LODE_CHECK_NONE : LODE_CHECK_OVER_VOLTAGE,
+                              at.drive.guard.fault.check);
+    }
+}
+
 /// Periods of a start with an estimate of this speed, of that of hand-over, and a vector of that, until its attempt ends; 0: it
 /// does not.
 static int periods_until_it_ends(rig_t *rig, float omega, float vector, float lock) {
@@ -1202,6 +1220,7 @@ int main(void) {
     RUN_TEST(test_a_lock_lost_right_after_the_hand_over_is_an_attempt);
     RUN_TEST(test_all_attempts_of_a_start_have_one_time);
     RUN_TEST(test_a_start_is_proven_to_the_round);
+    RUN_TEST(test_a_lock_that_is_lost_hides_no_other_fault);
     RUN_TEST(test_a_rotor_that_the_load_turns_ends_the_attempt);
     RUN_TEST(test_a_rotor_that_the_load_turns_does_not_end_a_stop);
     RUN_TEST(test_a_rotor_that_the_load_turns_on_and_on_is_a_fault);

@@ -236,10 +236,11 @@ static void test_what_the_phases_should_show(void) {
 }
 
 /// Looks at a current of which no count moves, with an EMF of `share` of the voltage: what is found.
-static lode_check_t found_at_rest(rig_t rig, double share, float i_A, int checks) {
+static lode_check_t found_at_rest(rig_t rig, double share, float i_A, float moved_A, int checks) {
     const double circle_V = (double)(tuning.current.circle * 200.0f);
     rig.drive.i_A = (lode_dq_t){0.0f, i_A};
     rig.drive.estimator.pll.omega_rad_s = (float)(share * circle_V / 0.142);
+    rig.drive.frozen.moved_A2 = moved_A * moved_A;
     lode_plausibility_reset(&rig.drive.plausibility);
     for (int check = 0; check < checks; check++) {
         const int32_t none[LODE_PHASES] = {0, 0, 0};
@@ -253,18 +254,19 @@ static lode_check_t found_at_rest(rig_t rig, double share, float i_A, int checks
 /// a turn, of some 12 checks here.
 static void test_a_current_that_the_voltage_does_not_allow_is_not_missed(void) {
     const rig_t rig = running(100.0, 8.0);
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 0.78, 0.61f, 12));
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found_at_rest(rig, 0.82, 0.61f, 12));
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 0.82, 0.61f, 18));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 0.78, 0.61f, 0.59f, 12));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found_at_rest(rig, 0.82, 0.61f, 0.59f, 12));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 0.82, 0.61f, 0.59f, 18));
 }
 
 /// (K43). A twentieth of i_max is 0.6 A.
 static void test_without_load_the_emf_may_take_all_of_the_voltage(void) {
     const rig_t rig = running(100.0, 8.0);
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 0.78, 0.59f, 12));
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found_at_rest(rig, 0.82, 0.59f, 300));
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found_at_rest(rig, 1.24, 0.59f, 300));
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 1.26, 0.59f, 18));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 0.78, 0.59f, 0.59f, 12));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found_at_rest(rig, 0.82, 0.59f, 0.59f, 300));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, found_at_rest(rig, 1.24, 0.59f, 0.59f, 300));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 1.26, 0.59f, 0.59f, 18));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_STUCK, found_at_rest(rig, 1.0, 0.59f, 0.61f, 18));
 }
 
 /// From every millisecond of a start, with the vector at rest and on its way: what reads no current, and what was read last.
@@ -1008,12 +1010,12 @@ static void test_another_flux_is_as_large_as_no_error_and_lasts(void) {
     again.drive.estimator.lock = 1.0f;
     (void)lode_drive_watch_flux(&again.drive);
     TEST_ASSERT_EQUAL_UINT32(0u, again.drive.guard.flux_rounds);
-    // Where rounds are short, as many as the counter holds.
+    // Where rounds are short, as many as last as long.
     lode_drive_tuning_t quick = *rig.drive.tuning;
     quick.estimator.pll.ts_s = 1.0e-5f;
     rig_t fast = rig;
     fast.drive.tuning = &quick;
-    TEST_ASSERT_EQUAL_UINT32(255u, flux_rounds(fast, 0.77f, none, false));
+    CHECK_NEAR(1.0, 625.0, flux_rounds(fast, 0.77f, none, false));
     // Where they are long, one that lasts as long.
     quick.estimator.pll.ts_s = 0.05f / 8.0f;
     TEST_ASSERT_EQUAL_UINT32(1u, flux_rounds(fast, 0.77f, none, false));
@@ -1146,11 +1148,11 @@ static void test_dead_time_may_keep_a_vector_still(void) {
 }
 
 /// Checks until a vector that keeps still is doubted, at most 100, with an EMF of `share` of the voltage.
-static int checks_at_edge(rig_t rig, float share) {
+static int checks_at_edge(rig_t rig, float share, float moved_A) {
     const float emf_V = tuning.references.psi_Wb * rig.drive.estimator.pll.omega_rad_s;
     rig.drive.inverter.v_bus_V = emf_V / (share * tuning.current.circle);
     rig.drive.u_V = (lode_dq_t){0.0f, 50.0f}; // more than dead time takes
-    rig.drive.frozen = (lode_frozen_t){.checks = 0u};
+    rig.drive.frozen = (lode_frozen_t){.moved_A2 = moved_A * moved_A};
     int checks = 0;
     do {
         rig.drive.ref_A = (lode_dq_t){0.0f, checks == 0 ? 1.0f : 6.0f};
@@ -1165,13 +1167,14 @@ static void test_a_vector_need_not_follow_at_the_edge_of_the_voltage(void) {
     const double round_rad = 8.0 * RIG_TS_s * (double)rig.drive.estimator.pll.omega_rad_s;
     const int turn = 1 + (int)ceil(2.0 * CHECK_PI / round_rad);
     rig.drive.i_A = (lode_dq_t){0.0f, 0.61f};
-    TEST_ASSERT_EQUAL_INT(3, checks_at_edge(rig, 0.79f));
-    TEST_ASSERT_EQUAL_INT(turn, checks_at_edge(rig, 0.81f));
+    TEST_ASSERT_EQUAL_INT(3, checks_at_edge(rig, 0.79f, 0.59f));
+    TEST_ASSERT_EQUAL_INT(turn, checks_at_edge(rig, 0.81f, 0.59f));
     rig.drive.i_A = (lode_dq_t){0.0f, -0.59f};
-    TEST_ASSERT_EQUAL_INT(3, checks_at_edge(rig, 0.79f));
-    TEST_ASSERT_EQUAL_INT(100, checks_at_edge(rig, 0.81f));
-    TEST_ASSERT_EQUAL_INT(100, checks_at_edge(rig, 1.24f));
-    TEST_ASSERT_EQUAL_INT(turn, checks_at_edge(rig, 1.26f));
+    TEST_ASSERT_EQUAL_INT(3, checks_at_edge(rig, 0.79f, 0.59f));
+    TEST_ASSERT_EQUAL_INT(100, checks_at_edge(rig, 0.81f, 0.59f));
+    TEST_ASSERT_EQUAL_INT(100, checks_at_edge(rig, 1.24f, 0.59f));
+    TEST_ASSERT_EQUAL_INT(turn, checks_at_edge(rig, 1.26f, 0.59f));
+    TEST_ASSERT_EQUAL_INT(turn, checks_at_edge(rig, 1.0f, 0.61f));
 }
 
 /// With a voltage commanded nothing is asked for, and while a start catches no current flows: it begins anew.

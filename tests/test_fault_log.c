@@ -13,12 +13,15 @@ void tearDown(void) {}
 static lode_telemetry_t buffer[LODE_FAULT_LOG_ROWS(FAULTS, ROWS)];
 static uint32_t steps;
 
+static uint_least16_t trips;
+
 static bool step(lode_fault_log_t *log, lode_mode_t mode, lode_check_t check) {
     steps++;
     const lode_telemetry_t now = {
         .steps = steps,
         .mode = mode,
         .fault = {.check = (uint_least8_t)check},
+        .trips = trips,
         .omega_rad_s = (float)steps,
     };
     return lode_fault_log_step(log, &now);
@@ -114,6 +117,19 @@ static void test_a_fault_may_get_a_better_name(void) {
     TEST_ASSERT_EQUAL_UINT(4u, lode_fault_log_row(&log, 0u, 0u)->steps); // of the trip
 }
 
+/// Cleared, started and tripped between two calls: a fault of its own.
+static void test_a_fault_behind_a_fault_is_another_one(void) {
+    lode_fault_log_t log = new_log();
+    runs(&log, 3);
+    faults(&log, LODE_CHECK_UNDER_VOLTAGE);
+    trips++;
+    faults(&log, LODE_CHECK_HARDWARE_TRIP);
+    TEST_ASSERT_EQUAL_UINT(2u, lode_fault_log_count(&log));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_HARDWARE_TRIP, lode_fault_log_row(&log, 0u, 0u)->fault.check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_UNDER_VOLTAGE, lode_fault_log_row(&log, 1u, 0u)->fault.check);
+    TEST_ASSERT_EQUAL_UINT(4u, lode_fault_log_row(&log, 1u, 0u)->steps);
+}
+
 static void test_one_row_is_enough(void) {
     lode_fault_log_t log;
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_fault_log_init(&log, buffer, 1u, 1u));
@@ -165,6 +181,7 @@ int main(void) {
     RUN_TEST(test_rows_that_nobody_saw_are_not_there);
     RUN_TEST(test_the_last_ones_are_kept);
     RUN_TEST(test_a_fault_may_get_a_better_name);
+    RUN_TEST(test_a_fault_behind_a_fault_is_another_one);
     RUN_TEST(test_one_row_is_enough);
     RUN_TEST(test_erased_it_is_empty);
     RUN_TEST(test_wrong_arguments_are_refused);

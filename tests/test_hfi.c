@@ -950,6 +950,24 @@ static void test_a_rotor_that_is_lost_is_found_again(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, rig_telemetry(&rig).fault.check);
 }
 
+/// Also where the lock counts as lost at the check before it trips.
+static void test_a_rotor_that_is_lost_soon_is_found_again(void) {
+    for (int n = 0; n < 16; n++) {
+        static rig_t rig;
+        rig_at_rest(&rig, 1.0, 0.05, 0.0f);
+        rig_run(&rig, 0.5 + n * RIG_TS_s);
+        static lode_drive_tuning_t quick;
+        quick = *rig.drive.tuning;
+        quick.guard.lock_checks = 3u;
+        rig.drive.tuning = &quick;
+        lode_tuning_post_check(&rig.drive, lode_tuning_words(&quick));
+        lode_tuning_take_check(&rig.drive);
+        rig_jump(&rig, 1.5);
+        rig_expect(&rig, LODE_MODE_START);
+        TEST_ASSERT_EQUAL_INT(1, rig.drive.losses);
+    }
+}
+
 /// (K41): a rotor that is lost because a phase is open is not looked for.
 static void test_a_loss_by_an_open_phase_trips(void) {
     static rig_t rig;
@@ -1711,6 +1729,7 @@ int main(void) {
     RUN_TEST(test_a_run_from_rest_begins_without_torque);
     RUN_TEST(test_the_frame_turns_round_and_the_vectors_stay);
     RUN_TEST(test_a_rotor_that_is_lost_is_found_again);
+    RUN_TEST(test_a_rotor_that_is_lost_soon_is_found_again);
     RUN_TEST(test_a_loss_by_an_open_phase_trips);
     RUN_TEST(test_a_wave_that_an_open_phase_does_not_let_pass);
     RUN_TEST(test_a_loss_at_speed_trips);

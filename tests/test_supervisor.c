@@ -322,6 +322,7 @@ static lode_drive_tuning_t shortable(void) {
     motor.references.Ld_H = 2.0e-3f;
     motor.references.i_max_A = 60.0f;
     motor.guard.bus_periods = 5u;
+    motor.estimator.pll.ts_s = 1.0e-4f;
     return motor;
 }
 
@@ -372,6 +373,35 @@ static void test_it_shorts_where_the_emf_is_above_the_bus(void) {
     TEST_ASSERT_TRUE(shorts_step(&self, LODE_MODE_OFF, LODE_CHECK_NONE, 0.0f, given).active_short);
 }
 
+/// A rotor that has come to rest, or that a vector turns, charges no bus.
+static void test_it_does_not_short_a_start_from_rest(void) {
+    const lode_drive_tuning_t motor = shortable();
+    for (int n = 0; n < 4; n++) {
+        lode_supervisor_t self = shorter(&motor);
+        TEST_ASSERT_TRUE(would_short(&self, 900.0f));
+        if (n == 0) { // rests
+            (void)shorts_step(&self, LODE_MODE_OFF, LODE_CHECK_NONE, 0.0f, off);
+        }
+        lode_telemetry_t now = seen(LODE_MODE_START, LODE_CHECK_NONE);
+        now.start_stage = n == 3 ? LODE_START_HALF : LODE_START_CATCH;
+        const lode_command_t command = lode_supervisor_step(&self, &now, run, STEP_s);
+        TEST_ASSERT_EQUAL_INT(n == 1 || n == 2, command.active_short);
+    }
+}
+
+/// Adding the milliseconds of many hours in one float would stop at 9 hours.
+static void test_a_day_is_counted(void) {
+    lode_supervisor_t self = supervisor_with(1u);
+    self.good_s = 86400.0f;
+    self.time_s = 60000.0f;
+    self.waits = false;
+    const lode_telemetry_t now = seen(LODE_MODE_RUN, LODE_CHECK_NONE);
+    for (int n = 0; n < 100000; n++) {
+        (void)lode_supervisor_step(&self, &now, run, 1.0e-3f);
+    }
+    TEST_ASSERT_FLOAT_WITHIN(0.1f, 60100.0f, self.time_s);
+}
+
 static void test_it_shorts_nothing_unless_told(void) {
     const lode_drive_tuning_t motor = shortable();
     lode_supervisor_t self;
@@ -407,7 +437,9 @@ static void test_after_a_trip_it_looks_first(void) {
     const lode_drive_tuning_t motor = shortable();
     lode_supervisor_t self = shorter(&motor);
     TEST_ASSERT_TRUE(would_short(&self, 900.0f));
-    for (int n = 0; n <= 9; n++) { // a period each
+    // The look takes 9 periods and two turns, as the EMF is above the bus.
+    const int turns = 4 * (int)(CHECK_PI / (900.0 * (double)motor.estimator.pll.ts_s));
+    for (int n = 0; n <= 9 + turns; n++) { // a period each
         TEST_ASSERT_FALSE(
             shorts_step(&self, LODE_MODE_FAULT, LODE_CHECK_OVER_CURRENT, 900.0f, n < 5 ? run : off)
                 .active_short);
@@ -579,6 +611,8 @@ int main(void) {
     RUN_TEST(test_what_is_left_open_is_1_s_and_10_s);
     RUN_TEST(test_wrong_configurations_are_refused);
     RUN_TEST(test_it_shorts_where_the_emf_is_above_the_bus);
+    RUN_TEST(test_it_does_not_short_a_start_from_rest);
+    RUN_TEST(test_a_day_is_counted);
     RUN_TEST(test_it_shorts_nothing_unless_told);
     RUN_TEST(test_it_shorts_until_it_starts_again);
     RUN_TEST(test_after_a_trip_it_looks_first);

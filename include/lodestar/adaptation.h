@@ -4,8 +4,9 @@
 ///     (void)lode_adaptation_step(&adaptation, &drive);
 ///
 /// The results go into a copy of the drive's tuning, which is posted. Tunings made by learn.h go through here too, with
-/// lode_adaptation_post() instead of lode_drive_post_tuning(). J acts only on speed control and its feed-forward, psi on the
-/// current for a torque, Rs on the observer's voltage. Everything else keeps its design value, including the flux by which
+/// lode_adaptation_post() instead of lode_drive_post_tuning(). J acts on speed control, its feed-forward and the
+/// acceleration that the PLL expects of a torque, psi on the current for a torque, Rs on the observer's voltage.
+/// Everything else keeps its design value, including the flux by which
 /// FLUX and the lock are judged (docs/adaptation.md).
 ///
 /// For three phases; six phases: adaptation6.h.

@@ -41,6 +41,7 @@ typedef struct {
 
 typedef struct {
     float heat; ///< temperature rise of the resistor; 1: that at power_W
+    float rest; ///< of its last change, too small for a float of that size
 } lode_chopper_t;
 
 /// Checks `config` and derives the tuning. Errors: NULL, CHOPPER; `tuning` is then left alone.

@@ -238,6 +238,7 @@ typedef struct {
     uint_least16_t temperature; ///< ADC count of the hotter power stage
     lode_sense_t sense;
     lode_guard_t guard;
+    lode_shorted_t shorted; ///< of set 1
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_plausibility_t plausibility; ///< of the phase currents of set 1
     lode_frozen_t frozen;
@@ -333,6 +334,8 @@ typedef struct {
     /// With injection also the number of times the rotor was searched for again, up to 3. 0 with
     /// LODE_WITHOUT_HANDOVER_RETRY
     uint_least8_t retries;
+    /// faults since lode_drive_begin(), modulo 65536: tells a new fault from the last one
+    uint_least16_t trips;
     /// the signal check of the present start, or of the last one, was completed. False if there is none, or if it
     /// was skipped because the rotor turned
     bool signals_checked;

@@ -71,6 +71,7 @@ typedef struct {
     const lode_drive6_tuning_t
         *posted_tuning; ///< mailbox: posted tuning; NULL: none, or already taken
     lode_sense_t sense_2;
+    lode_shorted_t shorted_2;
     lode_inverter_t inverter_2;
     lode_plausibility_t plausibility_2;
     lode_sense_sums_t sums_2;

@@ -21,12 +21,13 @@ extern "C" {
 /// The members are visible for static allocation; only the functions below write them.
 typedef struct {
     lode_telemetry_t *buffer;
-    uint32_t faults; ///< faults that the buffer holds
-    uint32_t rows;   ///< rows per fault, including the one at the trip
-    uint32_t total;  ///< faults since init or erase, modulo 2^32
-    uint32_t held;   ///< number of those that can be read, up to `faults`
-    uint32_t block;  ///< block that collects the rows before the next fault: 0 .. faults
-    bool faulted;    ///< there was a fault at the last step
+    uint32_t faults;      ///< faults that the buffer holds
+    uint32_t rows;        ///< rows per fault, including the one at the trip
+    uint32_t total;       ///< faults since init or erase, modulo 2^32
+    uint32_t held;        ///< number of those that can be read, up to `faults`
+    uint32_t block;       ///< block that collects the rows before the next fault: 0 .. faults
+    bool faulted;         ///< there was a fault at the last step
+    uint_least16_t trips; ///< lode_telemetry_t.trips at the last step
 } lode_fault_log_t;
 
 /// Takes LODE_FAULT_LOG_ROWS(faults, rows) rows at `buffer`, which belong to the log from then on. Both counts: 1

@@ -21,9 +21,11 @@ typedef enum {
     LODE_CHECK_OVER_TEMPERATURE, ///< power stage, degC
     LODE_CHECK_TIMING,           ///< change of the stamp between two calls, counts
     LODE_CHECK_NON_FINITE, ///< a duty outside [0, 1], or an external estimate that is not finite
-    LODE_CHECK_OVER_SPEED, ///< electrical speed, rad/s
+    LODE_CHECK_OVER_SPEED, ///< electrical speed, rad/s; negative: against the commanded direction
     LODE_CHECK_LOST_LOCK, ///< lock quality in RUN; with an angle sensor: the EMF contradicts the sensor
-    LODE_CHECK_WRONG_WAY, ///< electrical speed, rad/s: against the commanded direction
+    /// electrical speed, rad/s; negative: against the commanded direction. In START the speed to which a load has
+    /// turned the rotor; where that is known by the size of its EMF alone, positive
+    LODE_CHECK_WRONG_WAY,
     LODE_CHECK_START, ///< no hand-over: measured value and limit of the criterion that was not met (start.h)
     LODE_CHECK_OFFSET, ///< deviation of a calibrated current offset from nominal, counts
     LODE_CHECK_OPEN_PHASE, ///< 1 .. 3: phase of set 1; 4 .. 6: phase of set 2; 7, 8: all of set 1, of set 2
@@ -135,13 +137,21 @@ typedef struct {
     uint_least16_t rail;        ///< debounce counter of a sample at a rail, control periods
     uint_least16_t
         lock; ///< debounce counter of the lock; START: rounds with too large a flux (S34)
-    uint_least16_t speed;      ///< debounce counter of speed and direction
-    float still_V;             ///< bus voltage one round ago
-    bool railed;               ///< a sample was at a rail since the last lode_guard_check_slow()
-    bool pending;              ///< a counter is not 0
-    uint_least8_t flux_rounds; ///< RUN: rounds with a wrong flux although the lock holds
-    bool flux; ///< while the lock counted as lost, only the size of the EMF was wrong
+    uint_least16_t speed;       ///< debounce counter of speed and direction
+    uint_least16_t flux_rounds; ///< RUN: rounds with a wrong flux although the lock holds
+    uint_least16_t trips;       ///< faults since begin, modulo 65536
+    float still_V;              ///< bus voltage one round ago
+    bool railed;                ///< a sample was at a rail since the last lode_guard_check_slow()
+    bool pending;               ///< a counter is not 0
+    bool flux;  ///< while the lock counted as lost, only the size of the EMF was wrong
+    bool fresh; ///< the fault has been latched in this period
 } lode_guard_t;
+
+/// Search for a shorted switch, of one bridge, with the gates off.
+typedef struct {
+    uint_least16_t periods; ///< with too large a current of the same sign
+    bool low;               ///< that sign: a low side
+} lode_shorted_t;
 
 /// What lode_guard_check_slow() needs to know about the drive.
 typedef struct {
@@ -173,13 +183,18 @@ void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                          const lode_sample_t *sample, uint_least8_t state);
 
 /// With the gates off after a trip: finds out whether a current flows on, which a healthy bridge would stop
-/// (SWITCH_SHORTED). Not in a build with LODE_WITHOUT_PLAUSIBILITY.
+/// (SWITCH_SHORTED). `half_turn`: lode_guard_half_turn(). Not in a build with LODE_WITHOUT_PLAUSIBILITY.
 void lode_guard_suspect(lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                        const lode_sense_tuning_t *sense_tuning, const lode_sample_t *sample);
+                        const lode_sense_tuning_t *sense_tuning, const lode_sample_t *sample,
+                        lode_shorted_t *shorted, uint32_t half_turn);
 
 /// Control periods after a trip in which a current may still flow: it decays as fast as it rose in the two periods
 /// that a command takes, and this is doubled.
 #define LODE_GUARD_DECAY_PERIODS 4u
+
+/// Half a turn of the EMF, in control periods, where its line-to-line peak is above the bus voltage; else 0. There the
+/// diodes of a healthy bridge carry current too, but no phase carries it alone for longer than a sixth of a turn.
+uint32_t lode_guard_half_turn(float emf_V, float v_bus_V, float step_rad);
 
 /// Checks with a debounce time: bus, temperature, lock, speed and direction. Every LODE_GUARD_PERIODS.
 void lode_guard_check_slow(lode_guard_t *self, const lode_guard_tuning_t *tuning,

@@ -72,6 +72,7 @@ typedef struct {
 /// Check for a current vector that moves by no more than noise although its reference changes (K36). Stator axes.
 typedef struct {
     lode_ab_t i_A;   ///< where the current has stopped
+    float moved_A2;  ///< square of its last move, to there
     lode_ab_t ref_A; ///< reference at the first check since then
     lode_ab_t way_A; ///< of the reference from there, at the last check; 0: it had hardly moved
     uint_least16_t

@@ -49,13 +49,15 @@ typedef struct {
     lode_attempts_t *attempts;
     float wait_s;
     float good_s;
-    float time_s;        ///< time in FAULT (`waits`) or in RUN
-    bool faulted;        ///< the drive was in FAULT at the last step
-    bool waits;          ///< time_s counts the time in FAULT
-    bool shorts;         ///< the EMF was above the bus when the drive last ran
-    uint32_t faulted_at; ///< lode_telemetry_t.steps when the fault was first seen
-    bool posted;         ///< an attempt has been posted
-    uint32_t posted_at;  ///< lode_telemetry_t.steps at that time
+    float time_s;         ///< time in FAULT (`waits`) or in RUN
+    float rest_s;         ///< of it, too small for a float of that size
+    bool faulted;         ///< the drive was in FAULT at the last step
+    bool waits;           ///< time_s counts the time in FAULT
+    bool shorts;          ///< the EMF was above the bus when the drive last ran
+    uint_least16_t trips; ///< lode_telemetry_t.trips at the last step
+    uint32_t faulted_at;  ///< lode_telemetry_t.steps when the fault was first seen
+    bool posted;          ///< an attempt has been posted
+    uint32_t posted_at;   ///< lode_telemetry_t.steps at that time
 } lode_supervisor_t;
 
 /// `tuning`: the one that the drive began with; it must not change. `attempts`: continues if it holds a valid

@@ -60,8 +60,9 @@ static lode_supervisor_t supervisor;
 static uint32_t supervised_at; // steps
 static lode_command_t posted;
 static bool faulted;
-static bool stopped; // by a fault, until armed again
-static bool resumes; // armed before the watchdog's reset
+static uint_least16_t told; // lode_telemetry_t.trips of the last fault
+static bool stopped;        // by a fault, until armed again
+static bool resumes;        // armed before the watchdog's reset
 
 static void note_cycles(uint32_t entered) {
     if (cycles_restart) {
@@ -219,8 +220,9 @@ static void begin_mode(uint32_t mode, const lode_telemetry_t *now) {
 }
 
 static void note_fault(const lode_telemetry_t *now) {
-    const bool before = faulted;
+    const bool before = faulted && told == now->trips;
     faulted = now->mode == LODE_MODE_FAULT;
+    told = now->trips;
     if (faulted && !before) {
         stopped = lode_supervisor_is_latched(&supervisor, now);
         app_armed = stopped ? 0u : app_armed;
@@ -230,6 +232,7 @@ static void note_fault(const lode_telemetry_t *now) {
 
 static bool is_posted(const lode_command_t *command) {
     return command->mode == posted.mode && command->clear_fault == posted.clear_fault &&
+           command->active_short == posted.active_short &&
            !(lode_abs(command->speed_rad_s - posted.speed_rad_s) > 0.0f);
 }
 
