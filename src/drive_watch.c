@@ -42,8 +42,8 @@
 static uint32_t half_turn(const lode_drive_t *self) {
     const float omega = self->estimator.pll.omega_rad_s;
     const float emf_V = LODE_SQRT3 * self->tuning->references.psi_Wb * lode_abs(omega);
-    return lode_guard_half_turn(emf_V, self->inverter.v_bus_V,
-                                self->tuning->estimator.pll.ts_s * omega);
+    const float step_rad = self->tuning->estimator.pll.ts_s * omega;
+    return emf_V > self->inverter.v_bus_V ? lode_guard_half_turn(step_rad) : 0u;
 }
 
 #endif

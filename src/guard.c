@@ -222,9 +222,8 @@ LODE_NOINLINE void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuni
     }
 }
 
-uint32_t lode_guard_half_turn(float emf_V, float v_bus_V, float step_rad) {
-    const float periods = HALF_TURN_rad / lode_max(lode_abs(step_rad), HALF_TURN_rad / PERIODS_MAX);
-    return emf_V > v_bus_V ? (uint32_t)periods : 0u;
+uint32_t lode_guard_half_turn(float step_rad) {
+    return (uint32_t)(HALF_TURN_rad / lode_max(lode_abs(step_rad), HALF_TURN_rad / PERIODS_MAX));
 }
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
@@ -256,10 +255,14 @@ LODE_NOINLINE void lode_guard_suspect(lode_guard_t *self, const lode_guard_tunin
     if (!suspect || !(lode_abs(i_A) > tuning->i_trip)) {
         return;
     }
+    // Above the bus voltage the other phases may be the largest for a part of each turn.
     const bool low = i_A < 0.0f;
-    const uint32_t periods = low == shorted->low ? shorted->periods + 1u : 1u;
-    *shorted = (lode_shorted_t){.periods = (uint_least16_t)periods, .low = low};
-    if (periods >= (uint32_t)tuning->bus_periods + LODE_GUARD_DECAY_PERIODS + half_turn) {
+    const uint32_t before = shorted->periods;
+    const bool same = before == 0u || low == shorted->low;
+    const uint32_t periods = same ? before + 1u : before - 1u;
+    *shorted = (lode_shorted_t){.periods = (uint_least16_t)periods,
+                                .low = before == 0u ? low : shorted->low};
+    if (same && periods >= (uint32_t)tuning->bus_periods + LODE_GUARD_DECAY_PERIODS + half_turn) {
         self->fault.check = (uint_least8_t)LODE_CHECK_SWITCH_SHORTED;
         self->fault.measured = i_A;
         self->fault.limit = tuning->i_trip;

@@ -11,8 +11,9 @@
 #define GOOD_s 10.0f // longer than a start with its ramp
 #define GOOD_MAX_s 1.0e5f
 #define TIME_MIN_s 1.0e-3f
-#define LOOK_HALF_TURNS 4u // of a motor whose EMF is above the bus
-#define LESS_EMF 0.9f      // of the bus: EMF at which the short ends, clear of noise and ripple
+// Shorts in the models of eight motors took up to four times the periods that are counted.
+#define LOOK_TIMES 5u
+#define LESS_EMF 0.9f // of the bus: EMF at which the short ends, clear of noise and ripple
 
 #ifdef LODE_WITHOUT_ACTIVE_SHORT
 #define IS_SHORT_BUILT_IN false
@@ -96,16 +97,12 @@ bool lode_supervisor_is_latched(const lode_supervisor_t *self, const lode_teleme
     return count > most; // used up by resets
 }
 
-// Peak of the line-to-line EMF.
-static float emf_V(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
-    return LODE_SQRT3 * self->tuning->references.psi_Wb * lode_abs(telemetry->omega_rad_s);
-}
-
-// It is above the bus, so that the diodes would conduct.
+// The peak of the line-to-line EMF is above the bus, so that the diodes would conduct.
 static bool generates(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
+    const float emf_V =
+        LODE_SQRT3 * self->tuning->references.psi_Wb * lode_abs(telemetry->omega_rad_s);
     const float share = self->shorts ? LESS_EMF : 1.0f;
-    return self->config->active_short == LODE_ON &&
-           emf_V(self, telemetry) > share * telemetry->v_bus_V;
+    return self->config->active_short == LODE_ON && emf_V > share * telemetry->v_bus_V;
 }
 
 // Whether the motor is to be shorted after a fault. With the gates off the speed is unknown; a vector that turns has started
@@ -121,14 +118,12 @@ static bool shorts_next(const lode_supervisor_t *self, const lode_telemetry_t *t
     return self->shorts && !turned && !off;
 }
 
-// The guard has had the time to find a shorted switch. Its current is above the limit for a part of each turn.
+// The guard has had the time to find a shorted switch. What it counts is there for a part of each turn only.
 static bool has_waited(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
     const float step_rad = self->tuning->estimator.pll.ts_s * telemetry->omega_rad_s;
-    const uint32_t half_turn =
-        lode_guard_half_turn(emf_V(self, telemetry), telemetry->v_bus_V, step_rad);
-    const uint32_t needed = (uint32_t)self->tuning->guard.bus_periods + LODE_GUARD_DECAY_PERIODS +
-                            LOOK_HALF_TURNS * half_turn;
-    return telemetry->steps - self->faulted_at > needed;
+    const uint32_t counted = (uint32_t)self->tuning->guard.bus_periods + LODE_GUARD_DECAY_PERIODS +
+                             lode_guard_half_turn(step_rad);
+    return telemetry->steps - self->faulted_at > LOOK_TIMES * counted;
 }
 
 // In FAULT: whether all low sides on are better than none. With a shorted low side they turn the short circuit of one phase

@@ -437,9 +437,9 @@ static void test_after_a_trip_it_looks_first(void) {
     const lode_drive_tuning_t motor = shortable();
     lode_supervisor_t self = shorter(&motor);
     TEST_ASSERT_TRUE(would_short(&self, 900.0f));
-    // The look takes 9 periods and two turns, as the EMF is above the bus.
-    const int turns = 4 * (int)(CHECK_PI / (900.0 * (double)motor.estimator.pll.ts_s));
-    for (int n = 0; n <= 9 + turns; n++) { // a period each
+    // A look takes 9 periods and half a turn, five times that at most.
+    const int half_turn = (int)(CHECK_PI / (900.0 * (double)motor.estimator.pll.ts_s));
+    for (int n = 0; n <= 5 * (9 + half_turn); n++) { // a period each
         TEST_ASSERT_FALSE(
             shorts_step(&self, LODE_MODE_FAULT, LODE_CHECK_OVER_CURRENT, 900.0f, n < 5 ? run : off)
                 .active_short);

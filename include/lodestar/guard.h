@@ -183,7 +183,9 @@ void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                          const lode_sample_t *sample, uint_least8_t state);
 
 /// With the gates off after a trip: finds out whether a current flows on, which a healthy bridge would stop
-/// (SWITCH_SHORTED). `half_turn`: lode_guard_half_turn(). Not in a build with LODE_WITHOUT_PLAUSIBILITY.
+/// (SWITCH_SHORTED). `half_turn`: of lode_guard_half_turn() where the line-to-line EMF is above the bus voltage, else 0:
+/// the diodes of a healthy bridge then carry current too, but no phase carries it alone for longer than a sixth of a
+/// turn. Not in a build with LODE_WITHOUT_PLAUSIBILITY.
 void lode_guard_suspect(lode_guard_t *self, const lode_guard_tuning_t *tuning,
                         const lode_sense_tuning_t *sense_tuning, const lode_sample_t *sample,
                         lode_shorted_t *shorted, uint32_t half_turn);
@@ -192,9 +194,8 @@ void lode_guard_suspect(lode_guard_t *self, const lode_guard_tuning_t *tuning,
 /// that a command takes, and this is doubled.
 #define LODE_GUARD_DECAY_PERIODS 4u
 
-/// Half a turn of the EMF, in control periods, where its line-to-line peak is above the bus voltage; else 0. There the
-/// diodes of a healthy bridge carry current too, but no phase carries it alone for longer than a sixth of a turn.
-uint32_t lode_guard_half_turn(float emf_V, float v_bus_V, float step_rad);
+/// Half an electrical turn, in control periods; at most 32768. `step_rad`: rotation per period.
+uint32_t lode_guard_half_turn(float step_rad);
 
 /// Checks with a debounce time: bus, temperature, lock, speed and direction. Every LODE_GUARD_PERIODS.
 void lode_guard_check_slow(lode_guard_t *self, const lode_guard_tuning_t *tuning,

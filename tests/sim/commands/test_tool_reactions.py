@@ -91,6 +91,17 @@ def shorted(folder, side, short, up_s):
     return folder.json("w.json")["fault_log"][-1], largest(folder, "w.csv", up_s + 0.02)[1]
 
 
+def shorted_above_the_bus(checks, folder):
+    """With an EMF of 1.3 times the bus: the side is named before the low sides may go on."""
+    for side in ("low", "high"):
+        for k in range(INSTANTS):
+            folder.run("run", "active_short", "--set", "phase.hot.temperature_degC=40", "--set", f"phase.hot.shorted_switch={side}",
+                       "--set", f"phase.up.duration_s={3.0 + k * TURN_s / INSTANTS}", "--json", "w.json")
+            last = folder.json("w.json")["fault_log"][-1]
+            checks.equal(last["check"], "LODE_CHECK_SWITCH_SHORTED", f"the {side} side is shorted")
+            checks.true((last["measured"] < 0) == (side == "low"), f"{side}: {last['measured']} A")
+
+
 def shorted_switches(checks, folder):
     """The side is named; a low side is joined by the others, a high side is not."""
     ratios = {"low": [], "high": []}
@@ -114,4 +125,5 @@ with Folder() as folder:
     keys(checks, folder)
     shorts(checks, folder)
     shorted_switches(checks, folder)
+    shorted_above_the_bus(checks, folder)
 checks.done()
