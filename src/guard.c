@@ -248,11 +248,8 @@ LODE_NOINLINE void lode_guard_suspect(lode_guard_t *self, const lode_guard_tunin
                                       const lode_sense_tuning_t *sense_tuning,
                                       const lode_sample_t *sample, lode_shorted_t *shorted,
                                       uint32_t half_turn) {
-    const uint32_t check = self->fault.check;
     const float i_A = shorted_A(sense_tuning, sample);
-    const bool suspect =
-        check == (uint32_t)LODE_CHECK_HARDWARE_TRIP || check == (uint32_t)LODE_CHECK_OVER_CURRENT;
-    if (!suspect || !(lode_abs(i_A) > tuning->i_trip)) {
+    if (!lode_guard_suspects(self->fault.check) || !(lode_abs(i_A) > tuning->i_trip)) {
         return;
     }
     // Above the bus voltage the other phases may be the largest for a part of each turn.

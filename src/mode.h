@@ -204,15 +204,13 @@ static inline bool lode_mode_shorts(const lode_drive_t *self) {
     }
     const uint32_t cause = self->guard.fault.check;
     const bool shorted = cause == (uint32_t)LODE_CHECK_SWITCH_SHORTED;
-    if (shorted &&
-        !(self->guard.fault.measured < 0.0f)) { // a high side: the low sides would short the bus
-        return false;
+    if (shorted && !(self->guard.fault.measured < 0.0f)) {
+        return false; // a high side: the low sides would short the bus
     }
-    // The cause may be a shorted switch. It takes an OFF command, from someone who has checked, to switch the low sides on.
-    const bool suspect = shorted || cause == (uint32_t)LODE_CHECK_HARDWARE_TRIP ||
-                         cause == (uint32_t)LODE_CHECK_OVER_CURRENT;
+    // It takes an OFF command, from someone who has checked, to switch the low sides on.
     return lode_mode(self) == LODE_MODE_FAULT &&
-           (!suspect || self->command.mode == (uint_least8_t)LODE_MODE_OFF);
+           (!(shorted || lode_guard_suspects(cause)) ||
+            self->command.mode == (uint_least8_t)LODE_MODE_OFF);
 #endif
 }
 

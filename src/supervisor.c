@@ -133,7 +133,7 @@ static bool shorts_after(const lode_supervisor_t *self, const lode_telemetry_t *
     if (check == (uint32_t)LODE_CHECK_SWITCH_SHORTED) {
         return self->config->active_short == LODE_ON && telemetry->fault.measured < 0.0f;
     }
-    if (check == (uint32_t)LODE_CHECK_OVER_CURRENT && !has_waited(self, telemetry)) {
+    if (lode_guard_suspects(check) && !has_waited(self, telemetry)) {
         return false;
     }
     return self->shorts && check != (uint32_t)LODE_CHECK_HARDWARE_TRIP;

@@ -268,6 +268,33 @@ static void test_a_shorted_high_side_is_never_joined_by_the_low_sides(void) {
     }
 }
 
+/// What a short may show first, and nothing else, waits for a look and is named by it.
+static void test_what_a_short_may_show_first_is_suspect(void) {
+    static const lode_check_t suspects[] = {LODE_CHECK_HARDWARE_TRIP, LODE_CHECK_OVER_CURRENT,
+                                            LODE_CHECK_CURRENT_RAIL, LODE_CHECK_CURRENT_GAIN};
+    for (int check = 1; check < (int)LODE_CHECK_COUNT; check++) {
+        bool suspect = false;
+        for (int n = 0; n < COUNT_OF(suspects); n++) {
+            suspect = suspect || check == (int)suspects[n];
+        }
+        rig_t rig = holding();
+        rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT,
+                                           .vector = {4.0f, 0.0f},
+                                           .active_short = true});
+        rig_step(&rig);
+        rig.trip = true;
+        rig_step(&rig);
+        rig.drive.guard.fault.check = (uint_least8_t)check;
+        rig.drive.guard.fault.measured = -1.0f;
+        const lode_counts_t counts = rig_counts(&rig);
+        rig_t looks = rig;
+        const bool named = check == (int)LODE_CHECK_SWITCH_SHORTED;
+        TEST_ASSERT_EQUAL_INT(!suspect && !named, is_shorted(lode_drive_step(&rig.drive, &counts)));
+        TEST_ASSERT_EQUAL_INT(suspect || named,
+                              after_current(&looks, -1, 9) == (uint32_t)LODE_CHECK_SWITCH_SHORTED);
+    }
+}
+
 /// A clear that was posted before the fault does not hide it.
 static void test_a_fault_is_told_for_a_period_at_least(void) {
     rig_t rig = holding();
@@ -850,6 +877,7 @@ int main(void) {
     RUN_TEST(test_a_trip_by_current_shorts_nothing_by_itself);
     RUN_TEST(test_a_current_that_flows_on_is_a_shorted_switch);
     RUN_TEST(test_a_shorted_high_side_is_never_joined_by_the_low_sides);
+    RUN_TEST(test_what_a_short_may_show_first_is_suspect);
     RUN_TEST(test_a_fault_is_told_for_a_period_at_least);
     RUN_TEST(test_samples_at_the_rails_tell_the_side_too);
     RUN_TEST(test_a_shorted_switch_shows_one_side);

@@ -44,7 +44,7 @@ typedef enum {
     /// flux linkage from the EMF, Wb, with a correct angle; limit: the motor's at this current, in START twice that
     LODE_CHECK_FLUX,
     LODE_CHECK_RESISTANCE, ///< resistance that the start has measured beyond the configured one, Ohm
-    /// replaces HARDWARE_TRIP or OVER_CURRENT if a current flows on with the gates off: current of that phase, A.
+    /// replaces a check of lode_guard_suspects() if a current flows on with the gates off: current of that phase, A.
     /// Negative: its low-side switch is shorted, positive: its high-side switch
     LODE_CHECK_SWITCH_SHORTED,
     /// before a start: current response along the applied voltage at the worst rotor angle, A; negative: it appears
@@ -204,6 +204,13 @@ void lode_guard_check_slow(lode_guard_t *self, const lode_guard_tuning_t *tuning
 /// True if no fault is latched.
 static inline bool lode_guard_is_good(const lode_guard_t *self) {
     return self->fault.check == (uint_least8_t)LODE_CHECK_NONE;
+}
+
+/// A shorted switch may be what made this check trip: more current than the drive has asked for.
+static inline bool lode_guard_suspects(uint32_t check) {
+    return check == (uint32_t)LODE_CHECK_HARDWARE_TRIP ||
+           check == (uint32_t)LODE_CHECK_OVER_CURRENT ||
+           check == (uint32_t)LODE_CHECK_CURRENT_RAIL || check == (uint32_t)LODE_CHECK_CURRENT_GAIN;
 }
 
 /// Fills every zero field that has a default.
