@@ -89,9 +89,12 @@ static float dead_time_V(const lode_hfi_system_t *system) {
     return inverter->v_bus_V * inverter->dead_time_s * carrier_Hz + inverter->v_drop_V;
 }
 
-// The largest of the voltages that noise (H7), dead time (H9) and dead band require.
+// The largest of the voltages that noise (H7), dead time (H9) and dead band require; 0: no voltage shows a round rotor.
 static float needed_V(const lode_hfi_config_t *config, const lode_hfi_system_t *system) {
-    const float more = lode_max(saliency(config, system) - 1.0f, FLT_MIN);
+    const float more = saliency(config, system) - 1.0f;
+    if (!(more > 0.0f)) {
+        return 0.0f;
+    }
     const float per_A = system->motor->Ld_H / system->ts_s;
     const float noise_V = NOISE_GAIN / NOISE_rad * config->noise_A * per_A * (1.0f + 1.0f / more);
     const float dead_V = dead_time_V(system) / (DEAD_TIME_rad * more);

@@ -442,9 +442,13 @@ static void test_a_trip_of_either_set_switches_both_off_at_once(void) {
     for (int set = 0; set < 2; set++) {
         rig6_t rig = turning(&config, 300.0, 0.0);
         TEST_ASSERT_TRUE(rig.out.set[0].gates && rig.out.set[1].gates);
+        rig6_command(&rig, (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true});
         rig.trip[set] = true;
         rig6_step(&rig);
-        expect_fault(&rig, LODE_CHECK_HARDWARE_TRIP);
+        rig.trip[set] = false;
+        expect_fault(&rig, LODE_CHECK_HARDWARE_TRIP); // for a period, though it is cleared already
+        rig6_step(&rig);
+        TEST_ASSERT_EQUAL_INT(LODE_MODE_OFF, rig6_telemetry(&rig).drive.mode);
     }
 }
 

@@ -968,6 +968,21 @@ static void test_a_rotor_that_is_lost_soon_is_found_again(void) {
     }
 }
 
+/// What the same check has found besides stays latched.
+static void test_a_rotor_that_is_lost_hides_no_fault(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 1.0, 0.05, 0.0f);
+    rig_run(&rig, 0.5);
+    for (int n = 0; n <= 1; n++) {
+        lode_drive_t drive = rig.drive;
+        drive.guard.lock = (uint_least16_t)drive.tuning->guard.lock_checks;
+        drive.guard.fault.check =
+            (uint_least8_t)(n == 0 ? LODE_CHECK_OVER_VOLTAGE : LODE_CHECK_NONE);
+        lode_mode_find_lost(&drive);
+        TEST_ASSERT_EQUAL_INT(n == 0 ? LODE_MODE_RUN : LODE_MODE_START, drive.mode);
+    }
+}
+
 /// (K41): a rotor that is lost because a phase is open is not looked for.
 static void test_a_loss_by_an_open_phase_trips(void) {
     static rig_t rig;
@@ -1730,6 +1745,7 @@ int main(void) {
     RUN_TEST(test_the_frame_turns_round_and_the_vectors_stay);
     RUN_TEST(test_a_rotor_that_is_lost_is_found_again);
     RUN_TEST(test_a_rotor_that_is_lost_soon_is_found_again);
+    RUN_TEST(test_a_rotor_that_is_lost_hides_no_fault);
     RUN_TEST(test_a_loss_by_an_open_phase_trips);
     RUN_TEST(test_a_wave_that_an_open_phase_does_not_let_pass);
     RUN_TEST(test_a_loss_at_speed_trips);

@@ -373,6 +373,25 @@ static void test_it_shorts_where_the_emf_is_above_the_bus(void) {
     TEST_ASSERT_TRUE(shorts_step(&self, LODE_MODE_OFF, LODE_CHECK_NONE, 0.0f, given).active_short);
 }
 
+/// Behind a fault that was cleared between two calls comes another one, with a look of its own.
+static void test_another_fault_is_looked_at_anew(void) {
+    const lode_drive_tuning_t motor = shortable();
+    lode_supervisor_t self = shorter(&motor);
+    TEST_ASSERT_TRUE(would_short(&self, 900.0f));
+    const lode_telemetry_t first = {.steps = 1000u,
+                                    .mode = LODE_MODE_FAULT,
+                                    .trips = 1u,
+                                    .fault = {.check = (uint_least8_t)LODE_CHECK_OVER_CURRENT},
+                                    .omega_rad_s = 900.0f};
+    TEST_ASSERT_FALSE(lode_supervisor_step(&self, &first, off, STEP_s).active_short);
+    lode_telemetry_t later = first;
+    later.steps = 1500u;
+    lode_supervisor_t same = self;
+    TEST_ASSERT_TRUE(lode_supervisor_step(&same, &later, off, STEP_s).active_short);
+    later.trips = 2u;
+    TEST_ASSERT_FALSE(lode_supervisor_step(&self, &later, off, STEP_s).active_short);
+}
+
 /// A rotor that has come to rest, or that a vector turns, charges no bus.
 static void test_it_does_not_short_a_start_from_rest(void) {
     const lode_drive_tuning_t motor = shortable();
@@ -611,6 +630,7 @@ int main(void) {
     RUN_TEST(test_what_is_left_open_is_1_s_and_10_s);
     RUN_TEST(test_wrong_configurations_are_refused);
     RUN_TEST(test_it_shorts_where_the_emf_is_above_the_bus);
+    RUN_TEST(test_another_fault_is_looked_at_anew);
     RUN_TEST(test_it_does_not_short_a_start_from_rest);
     RUN_TEST(test_a_day_is_counted);
     RUN_TEST(test_it_shorts_nothing_unless_told);

@@ -20,12 +20,17 @@
 #define ALL_MOTORS "jiang2022,eldeeb2017"
 enum { MOTORS_MAX = 8 };
 
-/// Settings that the campaign adds to the shipped files: time stamps of the port, field weakening, a switched
-/// inverter, one count of noise on the temperature sensor as on the bus sensor, and the checks of the guard
-/// that rely on the noise of both.
-static const char *const added[] = {
-    "references.field_weakening=on",     "guard.stamp_per_period=1000",   "plant.inverter=switched",
-    "plant.temperature_noise_degC=0.05", "guard.temperature_still_s=0.5", "guard.bus_still_s=0.1"};
+/// Settings that the campaign adds where the motor's files leave them open: time stamps of the port, field weakening, a
+/// switched inverter, one count of noise on the temperature sensor as on the bus sensor, and the checks of the guard that rely
+/// on the noise of both.
+static const struct {
+    const char *section, *key, *value;
+} added[] = {
+    {"references", "field_weakening", "on"}, {"guard", "stamp_per_period", "1000"},
+    {"plant", "inverter", "switched"},       {"plant", "temperature_noise_degC", "0.05"},
+    {"guard", "temperature_still_s", "0.5"}, {"guard", "bus_still_s", "0.1"},
+};
+enum { ADDED = sizeof added / sizeof added[0] };
 
 typedef struct {
     const options_t *options;
@@ -74,8 +79,12 @@ static bool take_kinds(faults_t *self) {
 static bool load(rig_config_t *config, const char *name, const options_t *options) {
     rig_config_init(config);
     bool good = data_files_load_pair(config, name);
-    for (size_t k = 0; good && k < sizeof added / sizeof added[0]; ++k) {
-        good = ini_config_set(config, "faults", added[k]);
+    for (int k = 0; good && k < ADDED; ++k) {
+        char setting[96];
+        (void)snprintf(setting, sizeof setting, "%s.%s=%s", added[k].section, added[k].key,
+                       added[k].value);
+        good = rig_config_is_given(config, added[k].section, added[k].key) ||
+               ini_config_set(config, "faults", setting);
     }
     good =
         good && command_load_sets(config, options) && rig_config_complete(config, RIG_NEED_DRIVE);
@@ -195,6 +204,19 @@ static int write_all(const faults_t *self, FILE *page, FILE *json) {
     return silent;
 }
 
+static void explain(void) {
+    printf("A cell: the check that found the fault, after what time, the largest phase current, "
+           "how far the rotor\n"
+           "turned back. harmless: nothing went wrong. given up: attempts of the start. 10 %%: of "
+           "full speed, or 1.25\n"
+           "times the least speed. More: docs/faults.md\n"
+           "Added where the files leave it open (--set changes it):");
+    for (int k = 0; k < ADDED; ++k) {
+        printf(" %s.%s=%s", added[k].section, added[k].key, added[k].value);
+    }
+    printf("\n\n");
+}
+
 static rig_exit_t run(faults_t *self) {
     FILE *page = NULL;
     FILE *json = NULL;
@@ -202,6 +224,7 @@ static rig_exit_t run(faults_t *self) {
         !outputs_open(&page, self->options->out) || !run_all(self)) {
         return RIG_BAD_INPUT;
     }
+    explain();
     const int silent = write_all(self, page, json);
     if (silent < 0 || !atomic_file_commit_all()) {
         return RIG_BAD_INPUT;

@@ -1,10 +1,13 @@
 #include "commands/command_load.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "config/data_files.h"
 #include "config/ini_config.h"
+#include "config/refusal.h"
 #include "config/trial_scenario.h"
+#include "support/diag.h"
 
 static bool is_of_phase(const char *set) {
     return strncmp(set, "phase.", strlen("phase.")) == 0;
@@ -35,6 +38,19 @@ bool command_load_drive(rig_config_t *config, const char *motor, const char *dri
     return load_parts(config, motor, drive) && command_load_sets(config, options);
 }
 
+static void report_no_speed(const rig_config_t *config, const char *motor) {
+    const lode_inverter_config_t *inverter = &config->drive.inverter;
+    const lode_status_t status = rig_config_judge(config);
+    if (status != LODE_OK) {
+        refusal_report(config, status);
+        return;
+    }
+    rig_error(
+        "%s: no speed to run at: with i_max, %.3g A, Rs takes all of the phase voltage of %.3g V; "
+        "`design` with the same arguments tells more",
+        motor, (double)inverter->i_max_A, (double)inverter->v_bus_V / sqrt(3.0));
+}
+
 /// A motor without a scenario uses the drive in its own file or an assumed one, as in `design`. The phases are
 /// made last, because they depend on all other values.
 static bool load_motor(rig_config_t *config, const options_t *options) {
@@ -43,7 +59,10 @@ static bool load_motor(rig_config_t *config, const options_t *options) {
         return false;
     }
     rig_config_design(config);
-    trial_scenario(config);
+    if (!trial_scenario(config)) {
+        report_no_speed(config, options->motor);
+        return false;
+    }
     return take_sets(config, options, true);
 }
 

@@ -7,6 +7,7 @@
 #include "commands/command_load.h"
 #include "config/assumptions.h"
 #include "config/ini_config.h"
+#include "config/plausible.h"
 #include "config/trial_scenario.h"
 #include "report/plot_run.h"
 #include "report/report_run.h"
@@ -69,7 +70,9 @@ static rig_exit_t run_once(const options_t *options, const char *scenario) {
     good = good && shown_begin(&table);
     if (good) {
         if (scenario == NULL) {
+            const plausible_t plausible = plausible_of(&config.drive);
             assumptions_print(table.file, &config, "");
+            (void)plausible_print_doubts(table.file, &plausible);
             trial_scenario_print(table.file, &config);
         }
         report_run_table(table.file, &config, &result, &log);

@@ -18,15 +18,9 @@
 #define DROP_SHARE 0.1 // of the phase voltage, at i_max: as in the machines of the catalogue
 #define HARMONIC_SHARE 0.03
 
-static bool is_open(const rig_config_t *config, int row) {
-    const rig_origin_t *origin = &config->origin[row];
-    return origin->file < 0 && origin->line != 0;
-}
-
 static void note(rig_config_t *config, const char *section, const char *key, const char *words) {
-    const int row = rig_schema_find(rig_schema(), section, key);
-    if (is_open(config, row)) {
-        config->origin[row].assumed = words;
+    if (!rig_config_is_given(config, section, key)) {
+        config->origin[rig_schema_find(rig_schema(), section, key)].assumed = words;
     }
 }
 
@@ -65,14 +59,15 @@ void assumptions_drive(rig_config_t *config) {
     lode_drive_config_t *drive = &config->drive;
     lode_inverter_config_t *inverter = &drive->inverter;
     const lode_motor_t *motor = &drive->motor;
-    if (!(inverter->i_max_A > 0.0f)) {
+    // A 0 that somebody has given stays, for the library to refuse.
+    if (!rig_config_is_given(config, "drive", "i_max_A")) {
         inverter->i_max_A = (float)(CURRENT_SHARE * (double)motor->psi_Wb / (double)motor->Ld_H);
         note(config, "drive", "i_max_A", "0.3 psi/Ld; not a rating of the motor");
     }
-    if (!(inverter->v_bus_V > 0.0f)) {
+    if (!rig_config_is_given(config, "drive", "v_bus_V")) {
         assume_bus(config);
     }
-    if (!(drive->f_pwm_Hz > 0.0f)) {
+    if (!rig_config_is_given(config, "drive", "f_pwm_Hz")) {
         assume_frequency(config);
     }
 }

@@ -53,7 +53,7 @@ void rig_config_init(rig_config_t *config) {
     }
 }
 
-static bool is_given(const rig_config_t *config, const char *section, const char *key) {
+bool rig_config_is_given(const rig_config_t *config, const char *section, const char *key) {
     const rig_origin_t *origin = &config->origin[rig_schema_find(rig_schema(), section, key)];
     return origin->file >= 0 || origin->line == 0;
 }
@@ -61,13 +61,16 @@ static bool is_given(const rig_config_t *config, const char *section, const char
 static bool all_given(const rig_config_t *config, const char *section, const char *const *key) {
     bool good = true;
     for (; *key != NULL; ++key) {
-        if (!is_given(config, section, *key)) {
+        if (!rig_config_is_given(config, section, *key)) {
             char others[512];
             conversions_instead_of(section, *key, others, sizeof others);
-            rig_error_at(config->files > 0 ? config->file[0] : "command line", 0,
-                         "[%s] %s: missing; expected it in a file%s, or as --set %s.%s=VALUE%s%s",
-                         section, *key, strcmp(section, "drive") == 0 ? " (--drive F.ini)" : "",
-                         section, *key, others[0] != '\0' ? "; or one of " : "", others);
+            rig_error_at(
+                config->files > 0 ? config->file[0] : "command line", 0,
+                "[%s] %s: missing; expected it in %s, or as --set %s.%s=VALUE%s%s", section, *key,
+                strcmp(section, "drive") == 0
+                    ? "the motor's file (`run` and `design` take a file of its own: --drive F.ini)"
+                    : "a file",
+                section, *key, others[0] != '\0' ? "; or one of " : "", others);
             good = false;
         }
     }
@@ -102,11 +105,11 @@ static void fit_board(rig_config_t *config) {
 static bool pair_up(rig_config_t *config) {
     bool emf = config->emf >= RIG_EMF_C_EULER;
     bool pll = config->pll >= RIG_PLL_LESO_EULER;
-    if (emf && !pll && !is_given(config, "estimator", "pll")) {
+    if (emf && !pll && !rig_config_is_given(config, "estimator", "pll")) {
         config->pll = (rig_pll_t)((int)config->pll + (int)RIG_PLL_LESO_EULER);
         pll = true;
     }
-    if (pll && !emf && !is_given(config, "estimator", "emf")) {
+    if (pll && !emf && !rig_config_is_given(config, "estimator", "emf")) {
         config->emf = RIG_EMF_C_EULER;
         emf = true;
     }
@@ -393,7 +396,7 @@ static int given_row(const rig_config_t *config, const char *key) {
     static const char *const sections[] = {"plant", "motor", "drive", "guard"};
     for (size_t k = 0; k < sizeof sections / sizeof sections[0]; ++k) {
         const int row = rig_schema_find(rig_schema(), sections[k], key);
-        if (row >= 0 && is_given(config, sections[k], key)) {
+        if (row >= 0 && rig_config_is_given(config, sections[k], key)) {
             return row;
         }
     }
@@ -422,7 +425,7 @@ static void refuse_plant(const rig_config_t *config, const char *why) {
 static bool find_map(const rig_config_t *config, const plant_map_t **map) {
     char path[RIG_PATH_LENGTH];
     *map = NULL;
-    if (!is_given(config, "plant", "flux_map")) {
+    if (!rig_config_is_given(config, "plant", "flux_map")) {
         return true;
     }
     const rig_origin_t *origin =

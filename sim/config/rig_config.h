@@ -219,6 +219,9 @@ typedef struct {
 /// Nothing set.
 void rig_config_init(rig_config_t *config);
 
+/// A file or an option gives the value.
+bool rig_config_is_given(const rig_config_t *config, const char *section, const char *key);
+
 /// Which values of the drive must be given.
 typedef enum {
     RIG_NEED_MOTOR, ///< the motor only: the rest is assumed, and marked so

@@ -38,7 +38,7 @@ static double most_Nm(const lode_drive_config_t *drive) {
     return (double)lode_motor_kt_Nm_A(&drive->motor) * (double)drive->inverter.i_max_A;
 }
 
-void trial_scenario(rig_config_t *config) {
+bool trial_scenario(rig_config_t *config) {
     const lode_drive_config_t *drive = &config->drive;
     const double np = (double)drive->motor.pole_pairs;
     const speed_limits_t limits = speed_limits_of(drive);
@@ -48,6 +48,9 @@ void trial_scenario(rig_config_t *config) {
                              np;
     const double most = rig_rpm_from_rad_s(TRIAL_ESTIMATOR_SHARE * limits.estimator_rad_s) / np;
     const double full = fmin(commanded, most);
+    if (!(full > 0.0)) {
+        return false;
+    }
     const double handover = rig_rpm_from_rad_s((double)drive->start.omega_handover_rad_s) / np;
     const double slow = fmin(HANDOVER_FACTOR * handover, full);
     const double sigma = (double)drive->estimator.pll.sigma_rad_s;
@@ -65,6 +68,7 @@ void trial_scenario(rig_config_t *config) {
     add(config, "load", SETTLE_s, full, load_Nm);
     add(config, "no_load", SETTLE_s, full, 0.0);
     add(config, "stop", rise_s, 0.0, 0.0);
+    return true;
 }
 
 void trial_scenario_print(FILE *file, const rig_config_t *config) {

@@ -3,6 +3,7 @@
 #ifndef RIG_TRIAL_SCENARIO_H
 #define RIG_TRIAL_SCENARIO_H
 
+#include <stdbool.h>
 #include <stdio.h>
 
 #include "config/rig_config.h"
@@ -12,8 +13,9 @@
 
 /// Fills the phases of a designed configuration from its own speeds, torque and ramp. A full speed that the
 /// estimator could not follow is lowered, and its phase keeps the original value.
-/// The load is half of the torque at i_max, or the largest load step (K18) if that is smaller.
-void trial_scenario(rig_config_t *config);
+/// The load is half of the torque at i_max, or the largest load step (K18) if that is smaller. False: the voltage allows no
+/// speed at i_max.
+bool trial_scenario(rig_config_t *config);
 
 /// Prints a line with the load and the largest load step at that speed.
 void trial_scenario_print(FILE *file, const rig_config_t *config);
