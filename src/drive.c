@@ -2,6 +2,7 @@
 #include "drive_slots_inline.h"
 
 #define TELEMETRY_TRIES 3
+#define HELD_SHARE 0.01f     // of the range of torques
 #define MOVED_FLUX_MAX 0.35f // share of the flux that a step of the d current may move
 
 lode_status_t lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
@@ -178,6 +179,20 @@ static bool is_raised(const lode_drive_t *self) {
            commanded < self->tuning->omega_min * self->tuning->speed.inv_pole_pairs;
 }
 
+// Torque control holds a speed. Its torque is the commanded one otherwise.
+static bool is_held(const lode_drive_t *self, const lode_speed_t *speed) {
+#ifdef LODE_WITHOUT_TORQUE_CONTROL
+    (void)self;
+    (void)speed;
+    return false;
+#else
+    const lode_range_t limit_Nm = speed->limit_Nm;
+    const float wanted_Nm = lode_clamp(self->command.value.torque_Nm, limit_Nm.min, limit_Nm.max);
+    const float least_Nm = HELD_SHARE * (limit_Nm.max - limit_Nm.min);
+    return lode_mode_is_torque(self) && lode_abs(wanted_Nm - speed->torque_Nm) > least_Nm;
+#endif
+}
+
 // Position error by EMF and by injection, and the weight of injection in the PLL.
 static void tell_errors(const lode_estimator_t *estimator, lode_telemetry_t *telemetry) {
     telemetry->emf_error_rad =
@@ -207,6 +222,7 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
             .fault = self->guard.fault,
             .torque_limited = speed != NULL && is_limited(speed),
             .speed_raised = speed != NULL && is_raised(self),
+            .speed_held = speed != NULL && is_held(self, speed),
             .retries = lode_drive_retries(self),
             .trips = self->guard.trips,
             .signals_checked = lode_drive_knows(self, LODE_KNOWN_SIGNALS),

@@ -389,8 +389,16 @@ static void test_a_drive_holds_zero_speed_and_reverses_through_it(void) {
                                             .control = LODE_CONTROL_TORQUE,
                                             .speed_rad_s = 20.0f,
                                             .torque_Nm = 1.0f});
-    shaft_run(&self, 6.0);
+    TEST_ASSERT_FALSE(rig_telemetry(&self.rig).speed_held);
+    shaft_run(&self, 0.1);
+    TEST_ASSERT_TRUE(rig_telemetry(&self.rig).speed_held); // outside of both speeds
+    while (fabs(self.rig.motor.omega / NP) > 10.0) {
+        shaft_step(&self);
+    }
+    TEST_ASSERT_FALSE(rig_telemetry(&self.rig).speed_held);
+    shaft_run(&self, 5.9);
     check_speed(&self, 20.0);
+    TEST_ASSERT_TRUE(rig_telemetry(&self.rig).speed_held);
     rig_command(&self.rig, (lode_command_t){.mode = LODE_MODE_RUN,
                                             .control = LODE_CONTROL_TORQUE,
                                             .speed_rad_s = 20.0f,

@@ -121,7 +121,9 @@ typedef struct {
 typedef enum {
     LODE_GATES_OFF, ///< none; acts at once
     LODE_GATES_ON,  ///< all
-    LODE_GATES_LOW ///< only the low sides, for their share of the period; a board that cannot do this: none
+    /// only the low sides, for their share of the period; a board that cannot do this: none, and start.pulses off in
+    /// its configuration, as otherwise a rotor that still turns ends a start with SIGNALS
+    LODE_GATES_LOW
 } lode_gates_t;
 
 /// What the board has to output.
@@ -318,7 +320,8 @@ static inline uint_least8_t lode_drive_retries(const lode_drive_t *self) {
 }
 
 /// A consistent snapshot of one control period, for logs and displays. The period is the last one, k; its samples
-/// are from t_k.
+/// are from t_k. With the gates off nothing is estimated: from `i_A` on all but `v_bus_V` and `temperature_degC` keep
+/// the values of the last period with the gates on, in FAULT those of the trip.
 typedef struct {
     uint32_t steps; ///< control periods since lode_drive_begin()
     lode_mode_t mode;
@@ -328,8 +331,10 @@ typedef struct {
     lode_fault_t fault;
     /// RUN: the torque reference is at a limit set by current, voltage, bus or lode_drive_limit_torque()
     bool torque_limited;
-    /// RUN: the commanded speed is below the lowest possible one, which is held instead
+    /// RUN with speed control: the commanded speed is below the lowest possible one, which is held instead
     bool speed_raised;
+    /// RUN with torque control: a speed is held, the least one or the commanded limit, and not the commanded torque
+    bool speed_held;
     /// failed attempts of the present start, or of the last one: up to 2, and 3 while the last attempt is repeated.
     /// With injection also the number of times the rotor was searched for again, up to 3. 0 with
     /// LODE_WITHOUT_HANDOVER_RETRY
@@ -351,8 +356,8 @@ typedef struct {
     float omega_rad_s;     ///< estimated electrical speed at t_k
     float speed_ref_rad_s; ///< ramped reference of RUN, MECHANICAL; otherwise 0
     float torque_ref_Nm;   ///< torque reference of RUN; otherwise 0
-    /// RUN: largest torque that current and voltage allow, before lode_drive_limit_torque(); otherwise 0, and
-    /// always with LODE_WITHOUT_TORQUE_LIMITS
+    /// RUN: largest torque that the current allows with the id of field weakening, before lode_drive_limit_torque();
+    /// otherwise 0, and always with LODE_WITHOUT_TORQUE_LIMITS. Without field weakening the voltage may allow less
     float torque_most_Nm;
     float load_torque_Nm; ///< estimated load; positive opposes positive speeds; 0 with the QPLL
     float lock;           ///< lock quality, 0 .. 1

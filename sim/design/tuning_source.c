@@ -238,6 +238,13 @@ void tuning_source_print(FILE *file, const char *name, const lode_drive6_tuning_
                   "&%s_config).\n",
                   drive, name, drive, name);
     assumptions_print(file, config, "// ");
+    (void)fputs("// assumed: currents that read positive, and a temperature sensor with -50 degC "
+                "at count 0 and a span "
+                "of 200 degC.\n"
+                "// A board with others, or without a sensor: lode_drive_init() with `sense` "
+                "changed in a copy of the "
+                "configuration.\n",
+                file);
     (void)fprintf(file,
                   "#include \"lodestar/%s.h\"\n"
                   "#include \"lodestar/version.h\"\n\n",

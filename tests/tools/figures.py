@@ -176,7 +176,7 @@ def measure(tool):
     f["weakening"] = worst(weak, *[before + name for name in ("entry", "high", "high_brake", "exit")
                                    for before in ("", "reverse_")])
     f["weakening_high"] = worst(weak, "high", "high_brake", "reverse_high", "reverse_high_brake")
-    f["weakening_start"] = worst(weak, "start")
+    f["weakening_start"] = worst(weak, "start", "reverse")
     six = tool.scenario("dtp")
     f["six"] = worst(six, "ramp", "rated_load", "braking", "unloaded", "weakening", "weak_load",
                      "weak_unloaded", "back")
@@ -232,7 +232,7 @@ def table_rows(f):
          "`sim/run run steady_ideal`"),
         ("±2000 rpm/s, and ±5 Nm at once at 1500 rpm, switched", f"at most {up(f['dynamics']['max'], 1)}",
          "`sim/run run dynamics`"),
-        ("no compensation of the lag, QPLL, ideal inverter", f"mean {f['bare']['300']:.1f} at 300, "
+        ("no compensation of the lag, QPLL, ideal inverter: misses the bars of the scenario", f"mean {f['bare']['300']:.1f} at 300, "
          f"{f['bare']['1500']:.1f} at 1500 rpm", "`sim/run run steady_ideal --set estimator.pll=qpll "
          "--set estimator.compensation=none`"),
         ("three other machines by default gains (drone, 48 V servo, 400 V traction), load steps",
@@ -250,7 +250,7 @@ def table_rows(f):
         ("field weakening to 1.5 times the speed of the voltage (3883 rpm), 16 A, ±1 Nm, both ways, MTPA, "
          "switched", f"at most {up(f['weakening']['max'], 1)} from entry to exit, steady mean at most "
          f"{up(f['weakening_high']['mean'], 2)}; {up(f['weakening_start']['max'], 0)} for some 10 ms after "
-         "the hand-over from the start", "`sim/run run field_weakening`"),
+         "the hand-over of the start and of the reversal", "`sim/run run field_weakening`"),
         ("six phases, stand-in motor, 300 V, 10 kHz, 2 µs, switched: 1200 rpm, ±6.25 Nm; field weakening to "
          "2841 rpm and back", f"mean at most {up(f['six']['mean'], 1)}; at most "
          f"{up(f['six_weakening']['max'], 1)} on the way in and out, {up(f['six_braking']['max'], 1)} in a "
