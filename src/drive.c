@@ -175,7 +175,7 @@ static float most_Nm(const lode_drive_t *self) {
 // RUN holds its lowest speed because the command is below it. Not for a stop, which passes through that speed.
 static bool is_raised(const lode_drive_t *self) {
     const float commanded = lode_abs(self->command.speed_rad_s);
-    return !lode_mode_is_sensored(self) && commanded > 0.0f &&
+    return !lode_mode_is_sensored(self) && !lode_mode_is_torque(self) && commanded > 0.0f &&
            commanded < self->tuning->omega_min * self->tuning->speed.inv_pole_pairs;
 }
 
@@ -462,7 +462,10 @@ LODE_INLINE lode_drive_out_t idle(lode_drive_t *self, const lode_sample_t *sampl
     if (self->mail && !self->guard.fresh) { // a fault is told for a period at least
         (void)lode_mode_take_mail(self);
     }
-    self->guard.fresh = false;
+    if (self->guard.fresh) {
+        self->shorted = (lode_shorted_t){.periods = 0u};
+        self->guard.fresh = false;
+    }
     lode_mode_idle(self, lode_tuning_words(self->tuning), sample, calibration, worst_count);
     return end_idle(self);
 }

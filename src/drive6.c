@@ -207,9 +207,6 @@ static LODE_NOINLINE void diagnose(lode_drive6_t *self, const lode_counts6_t *co
     lode_sense_again(&drive->sense, &counts->set[0], omitted_1, &set_1);
     lode_sense_again(&self->sense_2, &counts->set[1], omitted_2, &set_2);
     set_2.stamp = set_1.stamp;
-    if (driven) {
-        self->shorted_2 = (lode_shorted_t){.periods = 0u}; // set 1 may be what trips
-    }
     lode_drive_diagnose(drive, &drive->sense, &set_1, &drive->shorted);
     lode_drive_diagnose(drive, &self->sense_2, &set_2, &self->shorted_2);
     if (driven && !drive->gates) {
@@ -424,7 +421,11 @@ static LODE_NOINLINE lode_drive6_out_t idle(lode_drive6_t *self, const lode_samp
     if (drive->mail && !drive->guard.fresh) { // a fault is told for a period at least
         take_mail(self);
     }
-    drive->guard.fresh = false;
+    if (drive->guard.fresh) {
+        drive->shorted = (lode_shorted_t){.periods = 0u};
+        self->shorted_2 = (lode_shorted_t){.periods = 0u};
+        drive->guard.fresh = false;
+    }
     const lode_sample_t *idle = checks_set2(self) ? &sample->set_2 : &sample->machine;
     lode_mode_idle(drive, words_of(self->tuning), idle, calibration, worst_count);
     return end_idle(self);

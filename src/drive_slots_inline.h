@@ -23,7 +23,12 @@ LODE_INLINE void lode_drive_count_proof(lode_drive_t *self) {
     (void)self;
 #else
     const uint32_t proving = self->state.run.proving;
-    if (proving > 0u && proving != LODE_PROVING_ENDLESS) {
+    const float commanded = self->estimator.pll.omega_rad_s * self->command.speed_rad_s;
+    if (proving == LODE_PROVING_ENDLESS) {
+        const bool turns = commanded >= 0.0f; // as commanded
+        self->state.run.proving =
+            turns ? self->tuning->start.patience_rounds : LODE_PROVING_ENDLESS;
+    } else if (proving > 0u) {
         self->state.run.proving = (uint_least16_t)(proving - 1u);
     }
 #endif

@@ -51,14 +51,14 @@ static uint32_t half_turn(const lode_drive_t *self) {
 LODE_NOINLINE void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *sense,
                                        const lode_sample_t *sample, lode_shorted_t *shorted) {
     if (self->gates || lode_mode_precharges(self)) {
-        *shorted = (lode_shorted_t){.periods = 0u};
         lode_guard_diagnose(&self->guard, &self->tuning->guard, sense, &self->tuning->sense, sample,
                             self->mode);
         lode_mode_obey_guard(self);
         return;
     }
 #ifndef LODE_WITHOUT_PLAUSIBILITY
-    if (lode_mode(self) == LODE_MODE_FAULT && !lode_mode_shorts(self)) { // the bridge is open
+    const bool open = lode_mode(self) == LODE_MODE_FAULT && !lode_mode_shorts(self);
+    if (open && !self->guard.fresh) {
         lode_guard_suspect(&self->guard, &self->tuning->guard, &self->tuning->sense, sample,
                            shorted, half_turn(self));
     }

@@ -12,11 +12,12 @@
 #define BUS_TIME_s 1.0e-3f
 #define LOCK_TIME_s 15.0e-3f // with the lock's own 3.5 ms: trips within 20 ms
 #define COUNTER_MAX 65535.0f
+#define COUNTER_LAST 65535u
 #define STAMP_TOLERANCE 0.25f // of a period
 // with the time until all the torque is requested, in less than 0.1 s
 #define OVERLOAD_s 0.03f
 #define HALF_TURN_rad 3.1415927f
-#define PERIODS_MAX 32768.0f // of half a turn: the counter takes as much again
+#define PERIODS_MAX 32768.0f // of half a turn: slower than any EMF above the bus
 #define MIDDLE_SHARE 0.1f    // of the largest current: well above offsets, noise and gain errors
 
 #define NAME(check)                                                                                \
@@ -223,7 +224,8 @@ LODE_NOINLINE void lode_guard_diagnose(lode_guard_t *self, const lode_guard_tuni
 }
 
 uint32_t lode_guard_half_turn(float step_rad) {
-    return (uint32_t)(HALF_TURN_rad / lode_max(lode_abs(step_rad), HALF_TURN_rad / PERIODS_MAX));
+    const float periods = HALF_TURN_rad / lode_max(lode_abs(step_rad), HALF_TURN_rad / PERIODS_MAX);
+    return (uint32_t)periods;
 }
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
@@ -256,10 +258,12 @@ LODE_NOINLINE void lode_guard_suspect(lode_guard_t *self, const lode_guard_tunin
     const bool low = i_A < 0.0f;
     const uint32_t before = shorted->periods;
     const bool same = before == 0u || low == shorted->low;
-    const uint32_t periods = same ? before + 1u : before - 1u;
+    const uint32_t more = before < COUNTER_LAST ? before + 1u : before;
+    const uint32_t periods = same ? more : before - 1u;
     *shorted = (lode_shorted_t){.periods = (uint_least16_t)periods,
                                 .low = before == 0u ? low : shorted->low};
-    if (same && periods >= (uint32_t)tuning->bus_periods + LODE_GUARD_DECAY_PERIODS + half_turn) {
+    const uint32_t needed = (uint32_t)tuning->bus_periods + LODE_GUARD_DECAY_PERIODS + half_turn;
+    if (same && (periods >= needed || periods >= COUNTER_LAST)) {
         self->fault.check = (uint_least8_t)LODE_CHECK_SWITCH_SHORTED;
         self->fault.measured = i_A;
         self->fault.limit = tuning->i_trip;

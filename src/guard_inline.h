@@ -16,6 +16,20 @@ LODE_INLINE void lode_guard_note(lode_guard_t *self, uint32_t stamp) {
     self->stamp = stamp;
 }
 
+// The check that is under way has found a lost lock at most.
+LODE_INLINE bool lode_guard_found_nothing_else(const lode_guard_t *self) {
+    const uint32_t found = self->fault.check;
+    return found == (uint32_t)LODE_CHECK_NONE || found == (uint32_t)LODE_CHECK_LOST_LOCK;
+}
+
+// Takes that lost lock back: the drive does something about it.
+LODE_INLINE void lode_guard_withdraw(lode_guard_t *self) {
+    if (!lode_guard_is_good(self)) {
+        self->fault.check = (uint_least8_t)LODE_CHECK_NONE;
+        self->trips = (uint_least16_t)(self->trips - 1u);
+    }
+}
+
 // Bus and temperature (here), lock, speed and direction (below) are within their limits; NaN is not. A small build omits this
 // and counts at every check.
 LODE_INLINE bool lode_guard_power_ok(const lode_guard_tuning_t *tuning,

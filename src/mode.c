@@ -64,11 +64,11 @@ void lode_mode_reset_guard(lode_drive_t *self) {
 
 LODE_NOINLINE void lode_mode_prove_start(lode_drive_t *self) {
     const uint_least8_t losses = self->losses;
-    const uint32_t found = self->guard.fault.check; // in this very check
-    const bool other =
-        found != (uint32_t)LODE_CHECK_NONE && found != (uint32_t)LODE_CHECK_LOST_LOCK;
-    if (lode_mode(self) == LODE_MODE_RUN && self->state.run.proving > 0u && !other &&
+    // Another attempt would have the same sensor.
+    if (lode_mode(self) == LODE_MODE_RUN && self->state.run.proving > 0u &&
+        !lode_mode_is_sensored(self) && lode_guard_found_nothing_else(&self->guard) &&
         lode_mode_loses_lock(self) && losses < LODE_START_LOSSES_MAX) {
+        lode_guard_withdraw(&self->guard);
         self->guard.fault = (lode_fault_t){.state = self->mode,
                                            .criterion = (uint_least8_t)LODE_CRITERION_PROOF,
                                            .measured = self->estimator.lock,
@@ -306,9 +306,7 @@ void lode_mode_hand_over(lode_drive_t *self) {
                      lode_references_most_Nm(&tuning->references));
     run->fade = 1.0f;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    const uint_least16_t rounds =
-        caught ? lode_mode_rounds_to_prove(self, omega) : tuning->start.patience_rounds;
-    run->proving = lode_mode_is_sensored(self) ? 0u : rounds; // another attempt has the same sensor
+    run->proving = caught ? lode_mode_rounds_to_prove(self, omega) : tuning->start.patience_rounds;
 #endif
     begin_counts(self);
     run->id_A = i_A.d - lode_references_id_A(&tuning->references, torque, omega);

@@ -57,6 +57,12 @@ static void give_up(lode_drive_t *self) {
                                  .measured = emf_V / tuning->estimator.psi_Wb,
                                  .limit = tuning->start.omega_ready};
     if (turned.measured > turned.limit) {
+#ifdef LODE_WITHOUT_HANDOVER_RETRY
+        if (self->losses < LOSSES_MAX) {
+            find_again(self);
+            return;
+        }
+#endif
         lode_mode_catch_again(self, &turned);
         return;
     }
@@ -158,10 +164,12 @@ static bool may_be_open(const lode_drive_t *self) {
 LODE_NOINLINE void lode_mode_find_lost(lode_drive_t *self) {
     const lode_hfi_tuning_t *tuning = &self->tuning->estimator.hfi;
     const bool searches = lode_hfi_is_on(tuning) && lode_mode(self) == LODE_MODE_RUN &&
-                          !lode_mode_is_sensored(self) && lode_guard_is_good(&self->guard);
+                          !lode_mode_is_sensored(self) &&
+                          lode_guard_found_nothing_else(&self->guard);
     // Not where a phase is open (K41).
     if (searches && lode_mode_loses_lock(self) && self->losses < LOSSES_MAX && !may_be_open(self) &&
         lode_abs(self->estimator.pll.omega_rad_s) < LOST_SPEED * tuning->omega_high) {
+        lode_guard_withdraw(&self->guard);
         find_again(self);
     }
 }

@@ -3,6 +3,7 @@
 #ifndef LODE_MODE_PARTS_H
 #define LODE_MODE_PARTS_H
 
+#include "guard_inline.h"
 #include "hfi_inline.h"
 #include "mode.h"
 #include "scalar_inline.h"

@@ -17,9 +17,9 @@ LODE_SHARED lode_sincos_t lode_sincos_octant(float x_rad) {
 // Adds to a sum what may be less than its last digit: `rest` keeps what rounding leaves out (K35).
 LODE_INLINE void lode_add_small(float *sum, float *rest, float x) {
     const float before = *sum;
-    const float moved = x + *rest;
-    *sum = before + moved;
-    *rest = moved - (*sum - before);
+    const float added = x + *rest;
+    *sum = before + added;
+    *rest = added - (*sum - before);
 }
 
 // For a frame that is normalised later: error at most x^4/24 in length and x^5/30 in angle, 3e-5 rad for |x| <= 0.25.

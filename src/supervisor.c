@@ -1,6 +1,7 @@
 #include "lodestar/supervisor.h"
 #include "scalar_inline.h"
 
+#include <float.h>
 #include <stddef.h>
 
 // Checks the count: memory of zeros or ones does not match, nor the content after power-up, except once in 2^32.
@@ -107,22 +108,22 @@ static bool generates(const lode_supervisor_t *self, const lode_telemetry_t *tel
 
 // Whether the motor is to be shorted after a fault. With the gates off the speed is unknown; a vector that turns has started
 // from rest.
-static bool shorts_next(const lode_supervisor_t *self, const lode_telemetry_t *telemetry,
-                        lode_mode_t wanted) {
+static bool shorts_next(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
     if (telemetry->mode == LODE_MODE_RUN) {
         return generates(self, telemetry);
     }
-    const bool turned =
-        telemetry->mode == LODE_MODE_START && telemetry->start_stage > LODE_START_CATCH;
-    const bool off = telemetry->mode == LODE_MODE_OFF && wanted == LODE_MODE_OFF;
-    return self->shorts && !turned && !off;
+    return self->shorts &&
+           !(telemetry->mode == LODE_MODE_START && telemetry->start_stage > LODE_START_CATCH);
 }
 
-// The guard has had the time to find a shorted switch. What it counts is there for a part of each turn only.
+// The guard has had the time to find a shorted switch. What it counts is there for a part of each turn only, of a rotor whose EMF
+// is above the bus.
 static bool has_waited(const lode_supervisor_t *self, const lode_telemetry_t *telemetry) {
-    const float step_rad = self->tuning->estimator.pll.ts_s * telemetry->omega_rad_s;
+    const float flux_Wb = LODE_SQRT3 * lode_max(self->tuning->references.psi_Wb, FLT_MIN);
+    const float least_rad_s = telemetry->v_bus_V / flux_Wb;
+    const float omega = lode_max(lode_abs(telemetry->omega_rad_s), least_rad_s);
     const uint32_t counted = (uint32_t)self->tuning->guard.bus_periods + LODE_GUARD_DECAY_PERIODS +
-                             lode_guard_half_turn(step_rad);
+                             lode_guard_half_turn(self->tuning->estimator.pll.ts_s * omega);
     return telemetry->steps - self->faulted_at > LOOK_TIMES * counted;
 }
 
@@ -206,7 +207,7 @@ lode_command_t lode_supervisor_step(lode_supervisor_t *self, const lode_telemetr
     }
     self->faulted = fault;
     self->trips = telemetry->trips;
-    self->shorts = shorts_next(self, telemetry, wanted.mode);
+    self->shorts = shorts_next(self, telemetry);
     if (wanted.mode == LODE_MODE_OFF) {
         return off(self, telemetry, wanted);
     }

@@ -247,6 +247,17 @@ static void test_a_current_that_flows_on_is_a_shorted_switch(void) {
     CHECK_NEAR(1.0e-3, 18.0, rig_telemetry(&rig).fault.limit);
 }
 
+/// What was counted after one fault does not count after the next.
+static void test_each_fault_has_a_count_of_its_own(void) {
+    rig_t rig = holding();
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_CURRENT, after_current(&rig, 1, 9));
+    lode_mode_switch_off(&rig.drive);
+    lode_guard_reset(&rig.drive.guard);
+    lode_mode_fault(&rig.drive, LODE_CHECK_CURRENT_GAIN, 0.5f, 1.0f);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_CURRENT_GAIN, after_current(&rig, 1, 9));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_SWITCH_SHORTED, after_current(&rig, 1, 1));
+}
+
 /// With a high side shorted the low sides would short the bus, whatever is commanded.
 static void test_a_shorted_high_side_is_never_joined_by_the_low_sides(void) {
     for (int sign = -1; sign <= 1; sign += 2) {
@@ -876,6 +887,7 @@ int main(void) {
     RUN_TEST(test_a_fault_shorts_the_motor_where_that_is_commanded);
     RUN_TEST(test_a_trip_by_current_shorts_nothing_by_itself);
     RUN_TEST(test_a_current_that_flows_on_is_a_shorted_switch);
+    RUN_TEST(test_each_fault_has_a_count_of_its_own);
     RUN_TEST(test_a_shorted_high_side_is_never_joined_by_the_low_sides);
     RUN_TEST(test_what_a_short_may_show_first_is_suspect);
     RUN_TEST(test_a_fault_is_told_for_a_period_at_least);

@@ -694,7 +694,9 @@ static void test_a_lock_that_is_lost_hides_no_other_fault(void) {
                                    : n == 1 ? LODE_CHECK_LOST_LOCK
                                             : LODE_CHECK_OVER_VOLTAGE;
         at.drive.guard.fault.check = (uint_least8_t)check;
+        at.drive.guard.trips = 7u;
         lode_mode_prove_start(&at.drive);
+        TEST_ASSERT_EQUAL_UINT(n == 1 ? 6u : 7u, at.drive.guard.trips);
         TEST_ASSERT_EQUAL_INT(n < 2 ? LODE_MODE_OFF : LODE_MODE_RUN, at.drive.mode);
         TEST_ASSERT_EQUAL_INT(n < 2 ? LODE_CHECK_NONE : LODE_CHECK_OVER_VOLTAGE,
                               at.drive.guard.fault.check);
@@ -829,6 +831,26 @@ static void test_a_rotor_that_turns_the_other_way_has_not_started(void) {
             TEST_ASSERT_EQUAL_UINT(1u, rig.drive.state.start.failed);
         }
     }
+}
+
+/// The proof goes on where the rotor comes to turn as commanded without another start.
+static void test_a_command_the_other_way_lets_the_proof_begin(void) {
+    const lode_drive_config_t config = rig_config();
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CALIBRATE});
+    rig_run(&rig, 0.15);
+    rig.motor.omega = 200.0;
+    rig_command(&rig, run_at(-60.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 0.1));
+    rig_run(&rig, 0.02);
+    TEST_ASSERT_EQUAL_UINT(65535u, rig.drive.state.run.proving);
+    rig_command(&rig, run_at(60.0));
+    rig_run(&rig, 0.01);
+    CHECK_NEAR(10.0, (double)tuning.start.patience_rounds, (double)rig.drive.state.run.proving);
+    rig_run(&rig, 8.0 * RIG_TS_s * ((double)tuning.start.patience_rounds + 2.0));
+    rig_expect(&rig, LODE_MODE_RUN);
+    TEST_ASSERT_EQUAL_UINT(0u, rig.drive.state.run.proving);
 }
 
 /// A stop that comes while a rotor is caught is no speed the other way.
@@ -1226,6 +1248,7 @@ int main(void) {
     RUN_TEST(test_a_rotor_that_the_load_turns_on_and_on_is_a_fault);
     RUN_TEST(test_a_hoist_with_an_open_brake_is_caught_and_started);
     RUN_TEST(test_a_rotor_that_turns_the_other_way_has_not_started);
+    RUN_TEST(test_a_command_the_other_way_lets_the_proof_begin);
     RUN_TEST(test_a_rotor_that_is_caught_for_a_stop_has_patience);
     RUN_TEST(test_the_last_attempt_is_repeated_faster);
     RUN_TEST(test_a_start_that_is_over_is_no_attempt);

@@ -973,13 +973,16 @@ static void test_a_rotor_that_is_lost_hides_no_fault(void) {
     static rig_t rig;
     rig_at_rest(&rig, 1.0, 0.05, 0.0f);
     rig_run(&rig, 0.5);
-    for (int n = 0; n <= 1; n++) {
+    static const lode_check_t found[] = {LODE_CHECK_OVER_VOLTAGE, LODE_CHECK_NONE,
+                                         LODE_CHECK_LOST_LOCK};
+    for (int n = 0; n < COUNT_OF(found); n++) {
         lode_drive_t drive = rig.drive;
         drive.guard.lock = (uint_least16_t)drive.tuning->guard.lock_checks;
-        drive.guard.fault.check =
-            (uint_least8_t)(n == 0 ? LODE_CHECK_OVER_VOLTAGE : LODE_CHECK_NONE);
+        drive.guard.fault.check = (uint_least8_t)found[n];
         lode_mode_find_lost(&drive);
         TEST_ASSERT_EQUAL_INT(n == 0 ? LODE_MODE_RUN : LODE_MODE_START, drive.mode);
+        TEST_ASSERT_EQUAL_INT(n == 0 ? LODE_CHECK_OVER_VOLTAGE : LODE_CHECK_NONE,
+                              drive.guard.fault.check);
     }
 }
 

@@ -111,8 +111,9 @@ typedef struct {
     /// RUN with torque control: positive accelerates towards positive speeds, whatever the present direction
     float torque_Nm;
 #ifndef LODE_WITHOUT_ACTIVE_SHORT
-    /// in FAULT all low sides stay on (docs/reactions.md). After HARDWARE_TRIP and OVER_CURRENT only if the
-    /// commanded mode is OFF. LODE_WITHOUT_ACTIVE_SHORT leaves this field out of the build
+    /// in FAULT all low sides stay on (docs/reactions.md). Where a shorted switch may be what has tripped
+    /// (lode_guard_suspects()), only if the commanded mode is OFF; with a shorted high side never.
+    /// LODE_WITHOUT_ACTIVE_SHORT leaves this field out of the build
     bool active_short;
 #endif
 } lode_command_t;
@@ -320,8 +321,8 @@ static inline uint_least8_t lode_drive_retries(const lode_drive_t *self) {
 }
 
 /// A consistent snapshot of one control period, for logs and displays. The period is the last one, k; its samples
-/// are from t_k. With the gates off nothing is estimated: from `i_A` on all but `v_bus_V` and `temperature_degC` keep
-/// the values of the last period with the gates on, in FAULT those of the trip.
+/// are from t_k. With the gates off nothing is estimated or controlled: from `i_A` on all but `v_bus_V` and
+/// `temperature_degC` are 0, in FAULT those of the trip.
 typedef struct {
     uint32_t steps; ///< control periods since lode_drive_begin()
     lode_mode_t mode;
