@@ -30,6 +30,8 @@ LODE_INLINE void lode_drive_count_proof(lode_drive_t *self) {
             turns ? self->tuning->start.patience_rounds : LODE_PROVING_ENDLESS;
     } else if (proving > 0u) {
         self->state.run.proving = (uint_least16_t)(proving - 1u);
+    } else {
+        // proven
     }
 #endif
 }
