@@ -56,7 +56,9 @@ LODE_NOINLINE void lode_drive_diagnose(lode_drive_t *self, const lode_sense_t *s
         lode_mode_obey_guard(self);
         return;
     }
-#ifndef LODE_WITHOUT_PLAUSIBILITY
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    (void)shorted;
+#else
     const bool open = lode_mode(self) == LODE_MODE_FAULT && !lode_mode_shorts(self);
     if (open && !self->guard.fresh) {
         lode_guard_suspect(&self->guard, &self->tuning->guard, &self->tuning->sense, sample,
