@@ -64,10 +64,11 @@ void lode_mode_reset_guard(lode_drive_t *self) {
 
 LODE_NOINLINE void lode_mode_prove_start(lode_drive_t *self) {
     const uint_least8_t losses = self->losses;
-    // Another attempt would have the same sensor.
-    if (lode_mode(self) == LODE_MODE_RUN && self->state.run.proving > 0u &&
-        !lode_mode_is_sensored(self) && lode_guard_found_nothing_else(&self->guard) &&
-        lode_mode_loses_lock(self) && losses < LODE_START_LOSSES_MAX) {
+    // Another attempt would have the same sensor. The coarse speed of Hall switches may contradict the EMF for a moment only.
+    const bool same = lode_mode_is_sensored(self) && !self->edges;
+    if (lode_mode(self) == LODE_MODE_RUN && self->state.run.proving > 0u && !same &&
+        lode_guard_found_nothing_else(&self->guard) && lode_mode_loses_lock(self) &&
+        losses < LODE_START_LOSSES_MAX) {
         lode_guard_withdraw(&self->guard);
         self->guard.fault = (lode_fault_t){.state = self->mode,
                                            .criterion = (uint_least8_t)LODE_CRITERION_PROOF,

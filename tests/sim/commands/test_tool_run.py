@@ -207,7 +207,7 @@ def never_ran(checks, folder):
     scenario = (SOURCE / "sim/data/scenarios/zero_mismatch.ini").read_text(encoding="utf-8")
     scenario = scenario.replace("= ../", f"= {SOURCE / 'sim/data'}/")
     first, lost = scenario.split("[phase.learn_x0_5]\n")
-    folder.write("lost.ini", first + "[phase.lost]\n" + re.sub(r"duration_s = .*", "duration_s = 0.07", lost.split("\n\n")[0], count=1) + "\n")
+    folder.write("lost.ini", first + "[phase.lost]\n" + re.sub(r"duration_s = .*", "duration_s = 0.03", lost.split("\n\n")[0], count=1) + "\n")
     done = folder.run("run", "lost.ini", "--set", "hfi.learn=off", "--json", "n.json")
     result = folder.json("n.json")
     checks.equal([done.returncode, result["passed"], result["never_ran"], result["starts_yet"]], [1, False, False, True], done.stdout)

@@ -346,7 +346,7 @@ def ini_files(checks, folder):
         (scenario.replace("[phase.a]\nduration_s = 0.01\n", ""), "no .phase.NAME."),
         (scenario.replace(str(MOTOR), "nowhere.ini"), r"s.ini:2: \[scenario\] motor: expected the path"),
         (scenario.replace(f"motor = {MOTOR}\n", ""), r"\[motor\] pole_pairs: missing"),
-        (scenario.replace(f"drive = {DRIVE}\n", ""), r"\[drive\] f_pwm_Hz: missing; expected it in a file \(--drive F.ini\), or"),
+        (scenario.replace(f"drive = {DRIVE}\n", ""), r"\[drive\] f_pwm_Hz: missing; expected it in the motor.s file \(`run` and `design` take a file of its own: --drive F.ini\), or"),
         ("Rs_Ohm = 1\n" + scenario, r"s.ini:1: Rs_Ohm: stands before the first \[section\]; did you mean \[motor\] Rs_Ohm"),
         ("", "missing|no .phase.NAME."),
         (b"\x00\xff\x00\n", "s.ini:1: a zero octet; expected text"),
