@@ -439,6 +439,7 @@ static LODE_NOINLINE lode_drive6_out_t idle_period(lode_drive6_t *self,
     lode_sense_again(&self->drive.sense, &counts->set[0], omitted_1, &sample.machine);
     lode_sense_again(&self->sense_2, &counts->set[1], omitted_2, &sample.set_2);
     sample.machine.i_A = i_A; // of both sets: harmonics of the EMF drive current in the xy plane
+    sample.set_2.i_A = i_A;
     return idle(self, &sample);
 }
 

@@ -16,6 +16,8 @@
 #define ALONG_SHARE 0.33f
 #define ALONG_FLUX 0.5f
 
+#define EMF_WEIGHT 0.125f // per round
+
 // Swing of the current by the wave, of the expected one: with less the sensors do not measure, with more their gains are wrong.
 #define STUCK_SWING 0.1f
 
@@ -50,7 +52,7 @@ static void find_again(lode_drive_t *self) {
 // one is started by the vector, from its first stage.
 static void give_up(lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
-    const float emf_V = lode_ab_length(self->estimator.emf.observer.e_V);
+    const float emf_V = lode_sqrt(self->estimator.by.hfi.emf_V2);
     const lode_fault_t turned = {.state = self->mode,
                                  .stage = self->state.start.stage,
                                  .criterion = (uint_least8_t)LODE_CRITERION_SPEED,
@@ -111,6 +113,8 @@ static void find_at_rest(lode_drive_t *self) {
         const lode_ab_t i_A = estimator->emf.i_A;
         lode_hfi_begin(hfi, tuning, (lode_dq_t){i_A.alpha, i_A.beta});
     }
+    // An observer whose speed is 0 shows the EMF of a rotor that turns, but not the same in every round.
+    hfi->emf_V2 += EMF_WEIGHT * (lode_ab_length2(estimator->emf.observer.e_V) - hfi->emf_V2);
     estimator->gains = lode_pll_gains_of(&self->tuning->estimator.pll, tuning->find_gain);
     if (hfi->step == (uint_least8_t)LODE_HFI_RIGHT) {
         // The rotor stands still or nearly so, and the currents are in its frame already.

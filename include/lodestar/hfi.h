@@ -128,6 +128,7 @@ typedef struct {
     float swing_V; ///< their mean in the last round
     float off_rad; ///< mean magnitude of the position error
     float axis;    ///< tangent of the angle from the estimated d axis to the injection axis (H6)
+    float emf_V2;  ///< START: square of the observed EMF, low-pass filtered
     lode_dq_t i_A; ///< current at t_k in the rotor's frame, with ripple
     union {
         float iq_A;             ///< after the start: low-pass filtered i_q
