@@ -230,7 +230,7 @@ static inline lode_drive_out_t lode_mode_idle_out(const lode_drive_t *self,
     return (lode_drive_out_t){*duty, pulses ? LODE_GATES_LOW : LODE_GATES_OFF};
 }
 
-// Rounds left to prove a start that are not counted down: it takes another start.
+// Rounds left to prove a start that are not counted down until the rotor turns as commanded (S28).
 #define LODE_PROVING_ENDLESS 0xffffu
 
 // With every leg at half duty there is no voltage between the phases.

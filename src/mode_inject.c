@@ -16,7 +16,8 @@
 #define ALONG_SHARE 0.33f
 #define ALONG_FLUX 0.5f
 
-#define EMF_WEIGHT 0.125f // per round
+// Of a round, in the mean square of the EMF by which a rotor that turns is told: some periods of its ripple.
+#define EMF_WEIGHT 0.125f
 
 // Swing of the current by the wave, of the expected one: with less the sensors do not measure, with more their gains are wrong.
 #define STUCK_SWING 0.1f

@@ -1119,8 +1119,18 @@ static void test_a_temperature_that_stands_still_trips_where_it_should_not(void)
     TEST_ASSERT_TRUE(periods > 62u * LODE_SLOW_PERIODS && periods <= 63u * LODE_SLOW_PERIODS);
 }
 
-/// Looks at a vector that keeps still while another one is asked for, until it is doubted; at most 100. `share`: of the
-/// voltage that dead time and drops take.
+/// Looks at a vector that keeps still while another one is asked for, until it is doubted; at most 100. `moved_A`: its last move.
+static int looks(rig_t *rig, float moved_A) {
+    rig->drive.frozen = (lode_frozen_t){.moved_A2 = moved_A * moved_A};
+    int checks = 0;
+    do {
+        rig->drive.ref_A = (lode_dq_t){0.0f, checks == 0 ? 1.0f : 6.0f};
+        checks++;
+    } while (lode_drive_doubt_frozen(&rig->drive) && checks < 100);
+    return checks;
+}
+
+/// `share`: of the voltage that dead time and drops take.
 static int checks_until_doubted(rig_t rig, float share) {
     const lode_inverter_tuning_t *inverter = &tuning.inverter;
     const float taken_V =
@@ -1128,13 +1138,7 @@ static int checks_until_doubted(rig_t rig, float share) {
         2.0f * inverter->v_drop_V;
     CHECK_AT_LEAST(1.0, (double)taken_V);
     rig.drive.u_V = (lode_dq_t){0.0f, share * taken_V};
-    rig.drive.frozen = (lode_frozen_t){.checks = 0u};
-    int checks = 0;
-    do {
-        rig.drive.ref_A = (lode_dq_t){0.0f, checks == 0 ? 1.0f : 6.0f};
-        checks++;
-    } while (lode_drive_doubt_frozen(&rig.drive) && checks < 100);
-    return checks;
+    return looks(&rig, 0.0f);
 }
 
 /// Within what dead time takes a current may rest at zero, whatever is asked for: it is doubted after a turn alone (K36).
@@ -1147,18 +1151,12 @@ static void test_dead_time_may_keep_a_vector_still(void) {
     TEST_ASSERT_EQUAL_INT(3, checks_until_doubted(rig, -1.01f));
 }
 
-/// Checks until a vector that keeps still is doubted, at most 100, with an EMF of `share` of the voltage.
+/// With an EMF of `share` of the voltage.
 static int checks_at_edge(rig_t rig, float share, float moved_A) {
     const float emf_V = tuning.references.psi_Wb * rig.drive.estimator.pll.omega_rad_s;
     rig.drive.inverter.v_bus_V = emf_V / (share * tuning.current.circle);
     rig.drive.u_V = (lode_dq_t){0.0f, 50.0f}; // more than dead time takes
-    rig.drive.frozen = (lode_frozen_t){.moved_A2 = moved_A * moved_A};
-    int checks = 0;
-    do {
-        rig.drive.ref_A = (lode_dq_t){0.0f, checks == 0 ? 1.0f : 6.0f};
-        checks++;
-    } while (lode_drive_doubt_frozen(&rig.drive) && checks < 100);
-    return checks;
+    return looks(&rig, moved_A);
 }
 
 /// Nor has it to follow where the EMF takes the voltage. It should turn; without load it may be zero (K43).
