@@ -683,6 +683,20 @@ static void test_a_start_is_proven_to_the_round(void) {
     }
 }
 
+/// Hall switches may contradict the EMF for a moment only; an encoder that does will do so again.
+static void test_a_start_is_repeated_with_hall_switches_only(void) {
+    rig_t rig = handed_over();
+    rig.drive.guard.lock = (uint_least16_t)tuning.guard.lock_checks;
+    rig.drive.state.run.proving = 100u;
+    rig.drive.sensored = 9u;
+    for (int edges = 0; edges <= 1; edges++) {
+        rig_t at = rig;
+        at.drive.edges = edges == 1;
+        lode_mode_prove_start(&at.drive);
+        TEST_ASSERT_EQUAL_INT(edges == 1 ? LODE_MODE_OFF : LODE_MODE_RUN, at.drive.mode);
+    }
+}
+
 /// What the same check finds besides the lock stays latched.
 static void test_a_lock_that_is_lost_hides_no_other_fault(void) {
     rig_t rig = handed_over();
@@ -1242,6 +1256,7 @@ int main(void) {
     RUN_TEST(test_a_lock_lost_right_after_the_hand_over_is_an_attempt);
     RUN_TEST(test_all_attempts_of_a_start_have_one_time);
     RUN_TEST(test_a_start_is_proven_to_the_round);
+    RUN_TEST(test_a_start_is_repeated_with_hall_switches_only);
     RUN_TEST(test_a_lock_that_is_lost_hides_no_other_fault);
     RUN_TEST(test_a_rotor_that_the_load_turns_ends_the_attempt);
     RUN_TEST(test_a_rotor_that_the_load_turns_does_not_end_a_stop);

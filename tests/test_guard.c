@@ -716,6 +716,26 @@ static void test_counters_come_down_when_all_is_sound_again(void) {
     TEST_ASSERT_FALSE(slow(&b));
 }
 
+/// Debounces may be longer than the counter of a shorted switch is: its last value counts as long enough, and it never wraps.
+static void test_a_shorted_switch_is_named_by_the_last_count(void) {
+    bench_t b = bench();
+    b.tuning.bus_periods = UINT16_MAX - LODE_GUARD_DECAY_PERIODS;
+    lode_guard_trip(&b.guard, STATE, LODE_CHECK_OVER_CURRENT, 20.0f, 18.0f);
+    const float A = 1.0f / b.sensing.i_gain;
+    const lode_sample_t sample = {
+        .i = {(int32_t)(-30.0f * A), (int32_t)(17.0f * A), (int32_t)(13.0f * A)}};
+    lode_shorted_t shorted = {.periods = 0u};
+    for (uint32_t n = 1u; n <= UINT16_MAX; n++) {
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_CURRENT, b.guard.fault.check);
+        lode_guard_suspect(&b.guard, &b.tuning, &b.sensing, &sample, &shorted, UINT16_MAX);
+        TEST_ASSERT_EQUAL_UINT(n, shorted.periods);
+    }
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_SWITCH_SHORTED, b.guard.fault.check);
+    b.guard.fault.check = LODE_CHECK_OVER_CURRENT;
+    lode_guard_suspect(&b.guard, &b.tuning, &b.sensing, &sample, &shorted, UINT16_MAX);
+    TEST_ASSERT_EQUAL_UINT(UINT16_MAX, shorted.periods);
+}
+
 static void test_debounces_do_not_mix(void) {
     // Each of the six in turn: every counter rises once in six checks and falls five times.
     bench_t b = bench();
@@ -789,6 +809,7 @@ int main(void) {
     RUN_TEST(test_the_fast_part_has_no_eye_on_what_is_slow);
     RUN_TEST(test_counters_come_down_when_all_is_sound_again);
     RUN_TEST(test_debounces_do_not_mix);
+    RUN_TEST(test_a_shorted_switch_is_named_by_the_last_count);
     RUN_TEST(test_design_fills_what_is_open);
     return UNITY_END();
 }

@@ -984,6 +984,11 @@ static void test_a_rotor_that_is_lost_hides_no_fault(void) {
         TEST_ASSERT_EQUAL_INT(n == 0 ? LODE_CHECK_OVER_VOLTAGE : LODE_CHECK_NONE,
                               drive.guard.fault.check);
     }
+    lode_drive_t sensored = rig.drive; // no search finds another angle than the sensor's
+    sensored.guard.lock = (uint_least16_t)sensored.tuning->guard.lock_checks;
+    sensored.sensored = 1u;
+    lode_mode_find_lost(&sensored);
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, sensored.mode);
 }
 
 /// (K41): a rotor that is lost because a phase is open is not looked for.
