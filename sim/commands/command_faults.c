@@ -118,7 +118,8 @@ static bool take_motor(void *user, const char *name) {
         return false;
     }
     rig_config_t config;
-    return load(&config, name, self->options) && fault_bench_init(bench, &config);
+    const double share = self->options->has_load ? self->options->load : (double)NAN;
+    return load(&config, name, self->options) && fault_bench_init(bench, &config, share);
 }
 
 static bool take_motors(faults_t *self) {

@@ -91,6 +91,16 @@ static bool refuse(const fault_bench_t *self, fault_point_t point) {
     return false;
 }
 
+/// Share of the torque of i_max. In field weakening the power is that of the base speed, as far as a share is given;
+/// otherwise it is small there, and where the EMF is low.
+static double load_of(const fault_bench_t *self, fault_point_t point) {
+    const bool weak = point == FAULT_AT_WEAKENING;
+    if (isnan(self->load_share)) {
+        return weak || point == FAULT_AT_10 ? LITTLE_SHARE : LOAD_SHARE;
+    }
+    return weak ? self->load_share * self->base_rad_s / self->speed_rad_s[point] : self->load_share;
+}
+
 static bool reach_all(fault_bench_t *self) {
     const double *speed_rad_s = self->speed_rad_s;
     rig_t *rig = &self->at[FAULT_AT_STANDSTILL];
@@ -108,9 +118,7 @@ static bool reach_all(fault_bench_t *self) {
     for (int point = FAULT_AT_10; point < FAULT_POINTS; ++point) {
         rig_copy(&self->at[point], reach.rig);
         reach.rig = &self->at[point];
-        // Small where the EMF is low or the voltage is used up.
-        const bool little = point == FAULT_AT_10 || point == FAULT_AT_WEAKENING;
-        const double share = little ? LITTLE_SHARE : LOAD_SHARE;
+        const double share = load_of(self, (fault_point_t)point);
         const bool there =
             reach_speed(&reach, speed_rad_s[point == FAULT_AT_WEAKENING ? FAULT_AT_100 : point]);
         load_with(&reach, share * torque_Nm);
@@ -122,9 +130,10 @@ static bool reach_all(fault_bench_t *self) {
     return true;
 }
 
-bool fault_bench_init(fault_bench_t *self, const rig_config_t *config) {
+bool fault_bench_init(fault_bench_t *self, const rig_config_t *config, double load_share) {
     double unused_Nm = 0.0;
     self->config = *config;
+    self->load_share = load_share;
     if (!rig_config_plant(config, &self->plant, &unused_Nm)) {
         return false;
     }
@@ -136,6 +145,7 @@ bool fault_bench_init(fault_bench_t *self, const rig_config_t *config) {
                              isnan(limits.weakened_rad_s) ? HUGE_VAL : limits.weakened_rad_s);
     const double weak = limits.base_rad_s + WEAK_SHARE * (most - limits.base_rad_s);
     self->full_rad_s = full / np;
+    self->base_rad_s = limits.base_rad_s / np;
     self->speed_rad_s[FAULT_AT_10] = fmax(0.1 * full, LEAST_SHARE * limits.least_rad_s) / np;
     self->speed_rad_s[FAULT_AT_50] = fmax(0.5 * full / np, self->speed_rad_s[FAULT_AT_10]);
     self->speed_rad_s[FAULT_AT_100] = full / np;
@@ -269,7 +279,7 @@ bool fault_is_silent(const fault_result_t *result) {
            (result->found == LODE_CHECK_NONE && (result->harm & ~FAULT_HARM_DIP) != 0);
 }
 
-/// The worse of two results: silent, then not found, then found late.
+/// The worse of two results: silent, then found later, then harmless.
 static bool is_worse(const fault_result_t *a, const fault_result_t *b) {
     if ((a->silent > 0) != (b->silent > 0)) {
         return a->silent > 0;

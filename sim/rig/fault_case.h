@@ -22,7 +22,9 @@ extern const char *const fault_point_name[FAULT_POINTS];
 typedef struct {
     rig_config_t config;
     plant_config_t plant;
-    double full_rad_s;                ///< mechanical, 100 %
+    double load_share; ///< of the torque of i_max, for all states in RUN; NaN: the default
+    double full_rad_s; ///< mechanical, 100 %
+    double base_rad_s; ///< mechanical
     double speed_rad_s[FAULT_POINTS]; ///< commanded when the fault begins; 0: below RUN
     bool left_out[FAULT_POINTS];      ///< the drive runs, but its speed does not settle
     rig_t at[FAULT_POINTS];
@@ -54,9 +56,9 @@ typedef struct {
     int silent;   ///< number of variants that were silent
 } fault_result_t;
 
-/// `config` is already designed and accepted. False after a message if the drive does not start or does not
+/// `config` is already designed and accepted. `load_share`: as in fault_bench_t. False after a message if the drive does not start or does not
 /// keep running.
-bool fault_bench_init(fault_bench_t *self, const rig_config_t *config);
+bool fault_bench_init(fault_bench_t *self, const rig_config_t *config, double load_share);
 
 fault_result_t fault_case_run(const fault_bench_t *self, const inject_kind_t *kind,
                               fault_point_t point, uint64_t seed);

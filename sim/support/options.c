@@ -67,6 +67,10 @@ static const option_t table[] = {
     {"motors", required_argument, 'M', FAULTS, "A,B,...",
      "names of motors that have a drive of the same name, or files with [motor] and\n"
      "                             [drive]; default: jiang2022,eldeeb2017"},
+    {"load", required_argument, 'L', FAULTS, "SHARE",
+     "load while the motor runs, 0 .. 0.9 of the torque of i_max; in field weakening at\n"
+     "                             the same power as at the base speed; default: 0.3, and 0.1\n"
+     "                             at 10 % and in field weakening"},
     {"seed", required_argument, 'n', MAIN_JOB | RUN | FAULTS | COMMISSION, "S",
      "seed of the noise and of every other random value"},
     {"seeds", required_argument, 'N', RUN, "A-B", "a campaign: one line per seed, success rate"},
@@ -304,6 +308,18 @@ static bool take_cases(options_t *options, const char *text) {
     return false;
 }
 
+static bool take_load(options_t *options, const char *text) {
+    const double most = 0.9; // leaves current for control
+    char *end = NULL;
+    options->has_load = true;
+    options->load = strtod(text, &end);
+    if (end != text && *end == '\0' && options->load >= 0.0 && options->load <= most) {
+        return true;
+    }
+    rig_error("--load %s: expected a share of the torque of i_max, 0 .. %g", text, most);
+    return false;
+}
+
 static bool take_shard(options_t *options, const char *text) {
     char *end = NULL;
     if (read_integer(text, &end, &options->shard) && *end == '/' &&
@@ -403,6 +419,8 @@ static bool take(options_t *options, int letter, const char *argument) {
         return take_seeds(options, argument);
     case 'w':
         return take_jobs(options, argument);
+    case 'L':
+        return take_load(options, argument);
     case 'a':
         return take_cases(options, argument);
     case 'P':
