@@ -1,7 +1,10 @@
 #include "app.h"
 
+#include <stddef.h>
+
 #include "board.h"
 #include "kept.h"
+#include "measure.h"
 #include "record.h"
 #include "report.h"
 
@@ -44,10 +47,12 @@ static lode_drive_t drive;
 static volatile bringup_cycles_t cycles;
 static volatile bringup_window_t window;
 static volatile bool cycles_restart; // set by the thread, cleared by the interrupt
+static volatile bool measures;       // set by the thread: the interrupt calls measure_step()
 
 // Variables of the thread.
-static lode_drive_tuning_t tuning;
-static lode_drive_config_t config;
+static lode_drive_tuning_t tuning[2]; // the second one is for commissioning
+static lode_drive_config_t given;     // open values are computed
+static lode_drive_config_t config;    // by lode_drive_design()
 static lode_status_t status;
 static bringup_t bringup;
 static bool started;
@@ -85,7 +90,8 @@ LODE_RAMFUNC void app_period(void) {
     const uint32_t entered = board_cycles();
     lode_counts_t counts;
     board_read(&counts);
-    const lode_drive_out_t out = lode_drive_step(&drive, &counts);
+    const lode_drive_out_t out =
+        measures ? measure_step(&counts) : lode_drive_step(&drive, &counts);
     board_write(&out);
 
     record_period(&drive);
@@ -103,16 +109,23 @@ static lode_status_t start_supervisor(bool by_watchdog) {
         reactions.reaction[n] = LODE_REACTION_AGAIN;
     }
     const lode_status_t done =
-        lode_supervisor_init(&supervisor, &reactions, &tuning, kept_attempts(), by_watchdog);
+        lode_supervisor_init(&supervisor, &reactions, &tuning[0], kept_attempts(), by_watchdog);
     resumes = done == LODE_OK && by_watchdog && kept_was_armed() &&
               app_mode == APP_MODE_APPLICATION && !lode_supervisor_is_latched(&supervisor, &off);
     app_armed = resumes ? 1u : 0u;
     return done;
 }
 
+static lode_status_t init_drive(void) {
+    config = given;
+    lode_drive_design(&config);
+    return lode_drive_init(&drive, &tuning[0], &config);
+}
+
 bool app_start(void) {
     board_gates_off();
     started = false;
+    measures = false;
     app_armed = 0u;
     mode_now = APP_MODE_OFF;
     mode_waiting = APP_MODE_OFF;
@@ -123,16 +136,15 @@ bool app_start(void) {
     if (resets > 0u) {
         report_event("START", "WATCHDOG_RESETS", resets);
     }
-    config = (lode_drive_config_t){.f_pwm_Hz = 0.0f}; // open values are computed
-    board_describe(&config);
-    config.motor = motor_data();
-    if (APP_V_BUS_V > 0.0f && APP_V_BUS_V < config.inverter.v_bus_V) {
-        config.inverter.v_bus_V = APP_V_BUS_V; // the guard's limits are shares of it
+    given = (lode_drive_config_t){.f_pwm_Hz = 0.0f};
+    board_describe(&given);
+    given.motor = motor_data();
+    if (APP_V_BUS_V > 0.0f && APP_V_BUS_V < given.inverter.v_bus_V) {
+        given.inverter.v_bus_V = APP_V_BUS_V; // the guard's limits are shares of it
         report_event("START", "LOW_BUS", (uint32_t)APP_V_BUS_V);
     }
-    config.inverter.i_max_A = lode_min(config.inverter.i_max_A, MOTOR_I_MAX_A);
-    lode_drive_design(&config);
-    status = lode_drive_init(&drive, &tuning, &config);
+    given.inverter.i_max_A = lode_min(given.inverter.i_max_A, MOTOR_I_MAX_A);
+    status = init_drive();
     if (status == LODE_OK) {
         status = record_init(config.f_pwm_Hz);
     }
@@ -198,7 +210,29 @@ static void forget_restarts(const lode_telemetry_t *now) {
     (void)lode_supervisor_step(&supervisor, now, clear, 0.0f);
 }
 
+static void begin_commissioning(void) {
+    measures = true; // gates off until it has begun
+    LODE_SIGNAL_FENCE();
+    bringup.result = (bringup_result_t){.mode = APP_MODE_COMMISSION};
+    (void)measure_begin(&drive, tuning, &given); // its result says why not
+}
+
+// The drive begins anew, with what has been measured.
+static void end_commissioning(void) {
+    const lode_drive_config_t *found = measure_config();
+    measure_end();
+    if (found != NULL) {
+        given = *found;
+    }
+    status = init_drive();
+    LODE_SIGNAL_FENCE();
+    measures = false;
+}
+
 static void begin_mode(uint32_t mode, const lode_telemetry_t *now) {
+    if (measures) {
+        end_commissioning();
+    }
     mode_now = mode;
     mode_waiting = APP_MODE_OFF;
     if (!resumes) {
@@ -207,7 +241,7 @@ static void begin_mode(uint32_t mode, const lode_telemetry_t *now) {
     resumes = false;
     faulted = false;
     stopped = false;
-    supervised_at = now->steps; // by the next pass an earlier fault is cleared
+    supervised_at = app_telemetry().steps; // by the next pass an earlier fault is cleared
     posted = (lode_command_t){.mode = LODE_MODE_OFF};
     cycles_restart = true;
     (void)board_clear_trip();
@@ -217,6 +251,9 @@ static void begin_mode(uint32_t mode, const lode_telemetry_t *now) {
     record_arm(app_trigger == (uint32_t)LODE_TRIGGER_IMMEDIATE ? LODE_TRIGGER_IMMEDIATE
                                                                : LODE_TRIGGER_FAULT);
     bringup_begin(&bringup, mode < (uint32_t)BRINGUP_COUNT ? (bringup_mode_t)mode : BRINGUP_NONE);
+    if (mode == APP_MODE_COMMISSION) {
+        begin_commissioning();
+    }
 }
 
 static void note_fault(const lode_telemetry_t *now) {
@@ -294,6 +331,8 @@ static void step_mode(uint32_t mode, const bringup_view_t *view) {
         wait_for_arming(mode, &view->now);
     } else if (mode_now == APP_MODE_APPLICATION) {
         run_application(&view->now);
+    } else if (mode_now == APP_MODE_COMMISSION) {
+        bringup.result = measure_poll();
     } else if (mode_now > 0u && mode_now < (uint32_t)BRINGUP_COUNT) {
         (void)bringup_step(&bringup, view);
     }

@@ -11,9 +11,12 @@
 /// Values of app_mode in addition to those of bringup_mode_t (1 .. 7).
 #define APP_MODE_OFF 0u
 #define APP_MODE_APPLICATION 8u ///< turn at app_speed_rad_s
+/// Measure motor and inverter, measure.h; the shaft must be free. Once it has passed, all modes use the measured values until
+/// the next reset.
+#define APP_MODE_COMMISSION 9u
 
 extern volatile uint32_t app_mode;
-/// The modes that switch the gates, 3 .. 8, wait until this is not 0, and end when it is 0 again. It is 0 after
+/// The modes that switch the gates, 3 .. 9, wait until this is not 0, and end when it is 0 again. It is 0 after
 /// a reset, with mode 0, and after a fault in the mode "application" that is not restarted: then only the user
 /// starts the motor again. With -DAPP_RESTARTS=n, n faults and resets by the watchdog in a row are
 /// followed by a new start of that mode.
@@ -42,7 +45,7 @@ void app_poll(void);
 
 /// Status of lode_drive_init().
 lode_status_t app_status(void);
-/// Result of the last bring-up mode.
+/// Result of the last bring-up mode, or of the mode "commission".
 bringup_result_t app_result(void);
 /// The drive's telemetry of the last period.
 lode_telemetry_t app_telemetry(void);

@@ -85,6 +85,10 @@ const char *bringup_reason_name(uint_least8_t reason) {
         NAME(LOCK);
         NAME(SPEED);
         NAME(TIMEOUT);
+        NAME(UNSURE);
+        NAME(UNSETTLED);
+        NAME(NO_START);
+        NAME(REFUSED);
         NAME(FAULT);
     default:
         return "UNKNOWN";

@@ -48,7 +48,11 @@ typedef enum {
     BRINGUP_LOCK,        ///< least lock quality
     BRINGUP_SPEED,       ///< mean deviation from the commanded speed, mechanical rad/s
     BRINGUP_TIMEOUT,     ///< s
-    BRINGUP_FAULT        ///< the guard tripped: `check`, measured and limit are the fault's
+    BRINGUP_UNSURE,      ///< confidence of a measured quantity
+    BRINGUP_UNSETTLED,   ///< the rotor does not come to rest under a current
+    BRINGUP_NO_START, ///< speed reached, of a run to measure, mechanical rad/s; limit 0: no start at all
+    BRINGUP_REFUSED, ///< the drive refuses what was given or measured: lode_status_t
+    BRINGUP_FAULT    ///< the guard tripped: `check`, measured and limit are the fault's
 } bringup_reason_t;
 
 typedef struct {

@@ -4,6 +4,7 @@
 
 #define LINE_MAX 96u
 #define THOUSAND 1000.0f
+#define EXPONENT_MAX 45  // of a float, denormals included
 #define VALUE_MAX 2.0e6f // thousandths of it fit 32 bits
 
 static uint16_t line[LINE_MAX];
@@ -58,6 +59,57 @@ void report_event(const char *what, const char *name, uint32_t number) {
     put_text(name);
     put(' ');
     put_digits(number, 1u);
+    put_text("\r\n");
+}
+
+// Five digits and an exponent.
+static void put_scientific(float value) {
+    const float ten = 10.0f;
+    const float unit = 10000.0f;
+    float x = lode_abs(value);
+    int32_t exponent = 0;
+    while (x >= ten && exponent < EXPONENT_MAX) {
+        x /= ten;
+        exponent++;
+    }
+    while (x > 0.0f && x < 1.0f && exponent > -EXPONENT_MAX) {
+        x *= ten;
+        exponent--;
+    }
+    uint32_t digits = x < ten ? (uint32_t)(x * unit + 0.5f) : 0u;
+    if (digits == (uint32_t)(ten * unit)) {
+        digits = (uint32_t)unit;
+        exponent++;
+    }
+    if (value < 0.0f) {
+        put('-');
+    }
+    put_digits(digits / (uint32_t)unit, 1u);
+    put('.');
+    put_digits(digits % (uint32_t)unit, 4u);
+    put_text(exponent < 0 ? "e-" : "e+");
+    put_digits((uint32_t)(exponent < 0 ? -exponent : exponent), 2u);
+}
+
+bool report_is_sent(void) {
+    return sent == length;
+}
+
+void report_line(const char *text) {
+    length = 0u;
+    sent = 0u;
+    put_text(text);
+    put_text("\r\n");
+}
+
+void report_setting(const char *key, float value, float confidence) {
+    length = 0u;
+    sent = 0u;
+    put_text(key);
+    put_text(" = ");
+    put_scientific(value);
+    put_text(" ; confidence ");
+    put_float(confidence);
     put_text("\r\n");
 }
 

@@ -10,6 +10,15 @@
 /// A line "what name number" before the next output of report_poll(). Dropped if too much is waiting. Thread.
 void report_event(const char *what, const char *name, uint32_t number);
 
+/// True if the next line can be given. Thread.
+bool report_is_sent(void);
+
+/// A line "text". Thread, if report_is_sent().
+void report_line(const char *text);
+
+/// A line "key = value ; confidence 0.99". Thread, if report_is_sent().
+void report_setting(const char *key, float value, float confidence);
+
 /// Thread, once per pass.
 void report_poll(const bringup_result_t *result);
 

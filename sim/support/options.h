@@ -61,7 +61,7 @@ typedef struct {
     bool has_seed;
     uint64_t seed;
     bool has_load;
-    double load; ///< of faults, share of the torque of i_max
+    double load;       ///< of faults, share of the torque of i_max
     bool has_campaign; ///< seeds `seed` .. `seed_last`, one line each
     uint64_t seed_last;
     unsigned jobs; ///< processes of a campaign; 0: as many as there are processors

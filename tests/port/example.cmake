@@ -1,6 +1,6 @@
 # The example application against the simulated motor, and on the template board.
 set(example "${LODE_PORT_DIR}/example")
-set(application "${example}/app.c" "${example}/bringup.c" "${example}/edge.c" "${example}/kept.c" "${example}/record.c" "${example}/report.c")
+set(application "${example}/app.c" "${example}/bringup.c" "${example}/edge.c" "${example}/kept.c" "${example}/measure.c" "${example}/record.c" "${example}/report.c")
 if(TARGET lodestar_rig)
   lode_port_test(test_port_bringup "${CMAKE_CURRENT_SOURCE_DIR}/test_port_bringup.c" ${application})
   target_compile_definitions(test_port_bringup PRIVATE APP_RESTARTS=3u)

@@ -22,11 +22,11 @@ refused() { # option, its value, what is said of it
         { cat "$work/log"; echo "$1=$2: expected a message with '$3'"; exit 1; }
 }
 
-taken -DLODE_APP_MODE=8 -DLODE_APP_LINK=2 -DLODE_APP_RESTARTS=255 -DLODE_APP_V_BUS_V=10.5 \
+taken -DLODE_APP_MODE=9 -DLODE_APP_LINK=2 -DLODE_APP_RESTARTS=255 -DLODE_APP_V_BUS_V=10.5 \
     "-DLODE_MOTOR_H=$work/my motor.h"
 taken -DLODE_APP_MODE=0 -DLODE_APP_LINK=0 -DLODE_APP_RESTARTS=0 -DLODE_APP_V_BUS_V=0 -DLODE_MOTOR_H=
-for value in 9 -1 1.5 01 x 1u ''; do
-    refused LODE_APP_MODE "$value" "a whole number, 0 .. 8"
+for value in 10 -1 1.5 01 x 1u ''; do
+    refused LODE_APP_MODE "$value" "a whole number, 0 .. 9"
 done
 refused LODE_APP_LINK 3 "a whole number, 0 .. 2"
 refused LODE_APP_LINK ring "a whole number, 0 .. 2"

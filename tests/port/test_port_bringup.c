@@ -322,6 +322,67 @@ static void test_steps_pass_before_a_fast_thread(void) {
     }
 }
 
+// The text that the board has sent has this line, with a number after it; what is that?
+static double sent_value(const char *key) {
+    const char *line = strstr(sent, key);
+    TEST_ASSERT_NOT_NULL(line);
+    double value = NAN;
+    TEST_ASSERT_EQUAL_INT(1, sscanf(line + strlen(key), " = %lf ; confidence", &value));
+    return value;
+}
+
+// The drive is given 20 % too much resistance and inductance, measures the motor, and runs with what it has found.
+static void test_commissioning_measures_and_is_used(void) {
+    plant_config_t config = plant_of_motor();
+    config.Rs_Ohm *= 0.8;
+    config.Ld_H *= 0.8;
+    config.Lq_H *= 0.8;
+    config.psi_Wb *= 1.05;
+    power_up(&sound, config);
+    expect(bring_up(APP_MODE_COMMISSION, 20.0), BRINGUP_OK, -1);
+    run_for(0.2);
+    TEST_ASSERT_FALSE(gates);
+    sent[sent_length] = '\0';
+    TEST_ASSERT_NOT_NULL(strstr(sent, "9 PASS"));
+    TEST_ASSERT_NOT_NULL(strstr(sent, "[motor]\r\npole_pairs = 4.0000e+00 ;"));
+    CHECK_CLOSE(0.02, config.Rs_Ohm, sent_value("Rs_Ohm"));
+    CHECK_CLOSE(0.05, config.Ld_H, sent_value("Ld_H"));
+    CHECK_CLOSE(0.05, config.Lq_H, sent_value("Lq_H"));
+    CHECK_CLOSE(0.01, config.psi_Wb, sent_value("psi_Wb"));
+    CHECK_CLOSE(0.1, config.J_kgm2, sent_value("J_kgm2"));
+    app_mode = APP_MODE_APPLICATION;
+    run_for(5.0);
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, app_telemetry().mode);
+    CHECK_CLOSE(0.01, config.psi_Wb, app_motor().psi_Wb);
+}
+
+static void test_commissioning_ends_when_it_is_disarmed(void) {
+    power_up(&sound, plant_of_motor());
+    app_mode = APP_MODE_COMMISSION;
+    run_for(1.0);
+    TEST_ASSERT_TRUE(gates);
+    app_armed = 0u;
+    run_for(0.01);
+    TEST_ASSERT_FALSE(gates);
+    CHECK_CLOSE(1e-6, motor_data().psi_Wb, app_motor().psi_Wb);
+    expect(bring_up(BRINGUP_START, 20.0), BRINGUP_OK, -1); // as if it had not been
+}
+
+static void test_commissioning_names_what_is_wrong(void) {
+    mistakes_t m = sound;
+    m.dead_gates = true;
+    power_up(&m, plant_of_motor());
+    expect(bring_up(APP_MODE_COMMISSION, 20.0), BRINGUP_UNSURE, -1);
+    run_for(0.1);
+    TEST_ASSERT_FALSE(gates);
+    sent[sent_length] = '\0';
+    TEST_ASSERT_NOT_NULL(strstr(sent, "UNSURE signals 6\r\n9 FAIL UNSURE"));
+    plant_config_t held = plant_of_motor();
+    held.load_Nm = 10.0; // the shaft is clamped
+    power_up(&sound, held);
+    expect(bring_up(APP_MODE_COMMISSION, 60.0), BRINGUP_NO_START, -1);
+}
+
 static bringup_result_t signs_of(const mistakes_t *m, double L_share) {
     plant_config_t config = plant_of_motor();
     config.Ld_H *= L_share;
@@ -893,6 +954,9 @@ int main(void) {
     RUN_TEST(test_sound_board_passes_every_step);
     RUN_TEST(test_bootstrap_capacitors_are_charged_first);
     RUN_TEST(test_steps_pass_before_a_fast_thread);
+    RUN_TEST(test_commissioning_measures_and_is_used);
+    RUN_TEST(test_commissioning_ends_when_it_is_disarmed);
+    RUN_TEST(test_commissioning_names_what_is_wrong);
     RUN_TEST(test_duties_that_act_early_or_late);
     RUN_TEST(test_one_leg_of_three_that_acts_late);
     RUN_TEST(test_duties_in_time_are_never_late);
