@@ -14,6 +14,7 @@
 
 #define RATED_PER_MAX (1.0 / 1.5) // current at 100 % torque, as a share of i_max
 #define BASE_SHARE 0.9            // room for a load step below base speed
+#define ESTIMATOR_SHARE 0.95      // room for overshoot
 #define SLOW_SHARE 0.2            // of full speed
 #define PER_HANDOVER 1.5          // clear of the hand-over
 #define START_LOAD_SHARE 0.8      // mean plus ripple of the load at the start, as a share of 100 %
@@ -66,8 +67,10 @@ bool mc_machine_load(mc_machine_t *machine, const char *name, int sets, const ch
     machine->rated_e_rad_s = (double)drive->motor.omega_rated_rad_s;
     machine->bus_e_rad_s =
         (double)drive->inverter.v_bus_V / (sqrt(3.0) * (double)drive->motor.psi_Wb);
-    machine->full_e_rad_s = fmin((double)drive->motor.omega_rated_rad_s,
-                                 BASE_SHARE * speed_limits_of(drive).base_rad_s);
+    const speed_limits_t limits = speed_limits_of(drive);
+    machine->full_e_rad_s =
+        fmin(fmin((double)drive->motor.omega_rated_rad_s, ESTIMATOR_SHARE * limits.estimator_rad_s),
+             BASE_SHARE * limits.base_rad_s);
     return true;
 }
 
