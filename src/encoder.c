@@ -23,6 +23,9 @@
 #define POLE_FAR 0.414f
 // Of a count: an edge that is less off is near. Real edges are a tenth off.
 #define NEAR_SHARE 0.25f
+// Of the speed from which the EMF checks the sensor, for coarse counts: without a bias in id (K10) dead time is a larger part of
+// the voltage.
+#define CHECK_COARSE 1.5f
 // Largest load over the largest torque of the drive.
 #define LOAD_MOST 2.0f
 
@@ -55,7 +58,9 @@ lode_status_t lode_encoder_tune(lode_encoder_tuning_t *tuning, const lode_encode
     // With injection there is no lowest speed: omega_min is negative.
     const float by_default =
         drive->omega_min > 0.0f ? drive->omega_min : drive->start.omega_handover;
-    const float omega_check = lode_given_or(config->omega_check_rad_s, by_default);
+    const bool coarse = rad_per_count > COARSE_rad;
+    const float omega_check =
+        lode_given_or(config->omega_check_rad_s, coarse ? CHECK_COARSE * by_default : by_default);
     const float check_s = lode_given_or(config->check_s, CHECK_s);
     if (!lode_in_range(config->offset_rad, -LODE_PI, LODE_PI) ||
         !lode_in_range(config->delay_s, 0.0f, DELAY_MAX_PERIODS * ts_s)) {
@@ -83,7 +88,7 @@ lode_status_t lode_encoder_tune(lode_encoder_tuning_t *tuning, const lode_encode
         .speed_gain = x * x / ts_s,
         .omega_check = omega_check,
         .falls_back = config->falls_back,
-        .coarse = rad_per_count > COARSE_rad,
+        .coarse = coarse,
         .acc_per_torque = acc,
         .acc_per_omega = drive->estimator.acc_per_omega,
         .psi_Wb = drive->estimator.psi_Wb,
@@ -145,12 +150,22 @@ static void correct(lode_encoder_t *self, const lode_encoder_tuning_t *tuning, f
     self->since_s = 0.0f;
 }
 
+// (A6): the rotor turns round between two edges. A load that has opposed its motion is taken for friction.
+static void turn_round(lode_encoder_t *self, float before_rad_s) {
+    const bool turned = self->omega_rad_s * before_rad_s < 0.0f;
+    if (turned && self->load_rad_s2 * before_rad_s < 0.0f) {
+        self->load_rad_s2 = -self->load_rad_s2;
+    }
+}
+
 // (A3): between two edges the rotor follows torque and load. When the prediction is a whole count beyond the present count
 // and no edge has come, the correction is that of an edge, and the angle the middle of the count (A4).
 static void follow_edges(lode_encoder_t *self, const lode_encoder_tuning_t *tuning, float predicted,
                          float off, float moved) {
+    const float before_rad_s = self->omega_rad_s;
     self->since_s += tuning->ts_s;
     self->omega_rad_s += tuning->ts_s * (self->acc_rad_s2 + self->load_rad_s2);
+    turn_round(self, before_rad_s);
     if (lode_abs(moved) > tuning->half_rad) {
         // An edge is seen half a period late on average.
         const float late = 0.5f * tuning->ts_s * self->omega_rad_s;
@@ -202,6 +217,14 @@ static void track(lode_encoder_t *self, const lode_encoder_tuning_t *tuning, flo
     }
 }
 
+// The sensor shows a speed at which the EMF can tell whether it is right. Of coarse counts only the edges show one.
+static bool is_checked(const lode_encoder_t *self, const lode_encoder_tuning_t *tuning,
+                       float omega_rad_s) {
+    const bool shown =
+        !tuning->coarse || self->since_s * tuning->omega_check <= 2.0f * tuning->half_rad;
+    return shown && lode_abs(omega_rad_s) >= tuning->omega_check;
+}
+
 // `own`: the drive's own estimate. With the gates off it has no EMF, and after that it needs some time.
 static void check(lode_encoder_t *self, const lode_encoder_tuning_t *tuning,
                   const lode_estimate_t *own, bool checked) {
@@ -228,7 +251,7 @@ lode_estimate_t lode_encoder_estimate(lode_encoder_t *self, const lode_encoder_t
     track(self, tuning, angle_of(tuning, count));
     lode_estimate_t estimate = *own;
     const shaft_t rotor = shaft(self, tuning);
-    const bool checked = lode_abs(rotor.omega_rad_s) >= tuning->omega_check;
+    const bool checked = is_checked(self, tuning, rotor.omega_rad_s);
     check(self, tuning, own, checked);
     estimate.rotor = lode_sincos(lode_wrap(rotor.theta_rad + tuning->delay_s * rotor.omega_rad_s));
     estimate.omega_rad_s = rotor.omega_rad_s;

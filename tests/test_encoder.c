@@ -293,6 +293,46 @@ static void test_a_rotor_that_stops_between_two_edges_is_seen_to_stop(void) {
     CHECK_AT_MOST(CHECK_PI / 3.0, fabs(angle_off(&e, NP * theta_m))); // both within the count
 }
 
+/// (A6): between two edges; a load that drives the rotor stays what it is.
+static void test_a_load_that_opposes_the_motion_turns_round_with_it(void) {
+    const lode_encoder_config_t config = {.counts_per_turn = 18u, .offset_rad = middle_rad(18u)};
+    const lode_encoder_tuning_t tuning = tuned(&config);
+    const lode_estimate_t own = {.lock = 1.0f, .rotor = {0.0f, 1.0f}};
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int against = 0; against <= 1; against++) {
+            const float way = (float)sign;
+            lode_encoder_t encoder;
+            lode_encoder_reset(&encoder);
+            (void)lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f}, 0u);
+            encoder.omega_rad_s = way * 0.01f;
+            encoder.load_rad_s2 = against == 1 ? -way * 100.0f : way * 100.0f;
+            encoder.acc_rad_s2 = -way * 300.0f;
+            (void)lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f}, 0u);
+            TEST_ASSERT_TRUE(way * encoder.omega_rad_s < 0.0f);
+            TEST_ASSERT_EQUAL_FLOAT(way * 100.0f, encoder.load_rad_s2);
+        }
+    }
+}
+
+/// Of coarse counts only the edges show a speed that the EMF can be compared with.
+static void test_a_speed_that_no_edge_shows_is_not_checked(void) {
+    const lode_encoder_config_t config = {
+        .counts_per_turn = 18u, .offset_rad = middle_rad(18u), .omega_check_rad_s = 20.0f};
+    const lode_encoder_tuning_t tuning = tuned(&config);
+    const lode_estimate_t own = {.lock = 0.1f, .rotor = {0.0f, 1.0f}, .source = LODE_ESTIMATE_OWN};
+    const float count_s = (float)(CHECK_PI / 3.0 / 20.0);
+    for (int late = 0; late <= 1; late++) {
+        lode_encoder_t encoder;
+        lode_encoder_reset(&encoder);
+        (void)lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f}, 0u);
+        encoder.omega_rad_s = 30.0f;
+        encoder.since_s = late == 1 ? count_s : count_s - 2.0f * (float)RIG_TS_s;
+        const lode_estimate_t e =
+            lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f}, 0u);
+        TEST_ASSERT_EQUAL_FLOAT(late == 1 ? 1.0f : 0.1f, e.lock);
+    }
+}
+
 static void test_counts_beyond_a_turn_are_reduced(void) {
     const lode_encoder_config_t config = {.counts_per_turn = 1000u};
     const lode_encoder_tuning_t tuning = tuned(&config);
@@ -577,6 +617,8 @@ static void test_what_is_checked_from_where(void) {
     lode_drive_config_t drive = rig_config();
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&drive_tuning, &drive));
     CHECK_NEAR(0.0, (double)drive_tuning.omega_min, (double)tuned(&config).omega_check);
+    const lode_encoder_config_t coarse = {.counts_per_turn = 18u};
+    CHECK_CLOSE(1.0e-6, 1.5 * (double)drive_tuning.omega_min, tuned(&coarse).omega_check);
     drive.hfi.mode = LODE_HFI_ON; // with which there is no least speed
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&drive_tuning, &drive));
     CHECK_NEAR(0.0, (double)drive_tuning.start.omega_handover, (double)tuned(&config).omega_check);
@@ -716,6 +758,8 @@ int main(void) {
     RUN_TEST(test_between_edges_the_speed_follows_the_torque);
     RUN_TEST(test_an_edge_that_is_overdue_slows_the_rotor_down);
     RUN_TEST(test_a_rotor_that_stops_between_two_edges_is_seen_to_stop);
+    RUN_TEST(test_a_load_that_opposes_the_motion_turns_round_with_it);
+    RUN_TEST(test_a_speed_that_no_edge_shows_is_not_checked);
     RUN_TEST(test_counts_beyond_a_turn_are_reduced);
     RUN_TEST(test_the_offset_is_found_from_the_own_estimate);
     RUN_TEST(test_a_drive_holds_zero_speed_and_reverses_through_it);

@@ -27,7 +27,7 @@ typedef struct {
     float delay_s;       ///< age of a count at t_k, 0 .. 10 control periods
     float bandwidth_rad_s; ///< of the tracking loop, 1 .. 1/Ts; 0: 0.1/Ts, less for coarse counts
     /// ELECTRICAL speed from which the EMF checks the sensor; 0: the drive's lowest speed without a sensor, with
-    /// injection the hand-over speed
+    /// injection the hand-over speed; 1.5 times that for coarse counts (more than 0.2 rad electrical)
     float omega_check_rad_s;
     float check_s; ///< time for which it must disagree, 1 period .. 10 s; 0: 5 ms
     /// on disagreement continue without the sensor; otherwise LOST_LOCK trips
