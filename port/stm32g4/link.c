@@ -31,9 +31,13 @@ static uint32_t compare(float edge) {
     return (uint32_t)(int32_t)((1.0f - edge) * (float)REG_READ(TIM1->ARR) + 0.5f);
 }
 
-// Counter value for a share of the period in its second half, while the counter runs down.
+// Counter value for a share of the period in its second half, while the counter runs down. A compare value of ARR would keep
+// the output active for the whole period, without an edge (RM0440, centre-aligned mode).
 static uint32_t instant(float share) {
-    return (uint32_t)(int32_t)(2.0f * (1.0f - share) * (float)REG_READ(TIM1->ARR) + 0.5f);
+    const uint32_t most = REG_READ(TIM1->ARR) - 1u;
+    const uint32_t down =
+        (uint32_t)(int32_t)(2.0f * (1.0f - share) * (float)REG_READ(TIM1->ARR) + 0.5f);
+    return down < most ? down : most;
 }
 
 static void put_rise(lode_abc_t rise) {

@@ -100,6 +100,8 @@ static period_t one_period(const double i_A[3]) {
     TEST_ASSERT_TRUE((ADC1->CR & ADC_CR_JADSTART) != 0u);
     ADC1->JDR1 = link_count(&period, i_A, period.sample[0]);
     ADC1->JDR2 = link_count(&period, i_A, period.sample[1]);
+    // An output that stays active has no edge, so there would be one trigger of two.
+    TEST_ASSERT_TRUE(TIM1->CCR5 < TIM1->ARR && TIM1->CCR6 < TIM1->ARR && TIM1->CCR6 > 0u);
     ADC1->ISR |= trigger_dead ? 0u : ADC_ISR_JEOC | ADC_ISR_JEOS;
     return period;
 }
