@@ -1,5 +1,6 @@
 #include "lodestar/derate.h"
 #include "ramp_inline.h"
+#include "scalar_inline.h"
 
 #include <stddef.h>
 
@@ -35,7 +36,7 @@ lode_status_t lode_derate_tune(lode_derate_tuning_t *tuning, const lode_derate_c
 }
 
 void lode_derate_reset(lode_derate_t *self, float heat) {
-    self->heat = lode_clamp(heat, 0.0f, HEAT_MAX);
+    *self = (lode_derate_t){.heat = lode_clamp(heat, 0.0f, HEAT_MAX)};
 }
 
 // In FAULT `i_A` keeps its value of the trip. No current flows then, or with all low sides on at most `i_max`.
@@ -52,8 +53,10 @@ float lode_derate_step(lode_derate_t *self, const lode_derate_tuning_t *tuning,
                        const lode_telemetry_t *telemetry, float dt_s) {
     const float load = load_of(tuning, telemetry);
     const float x = lode_one_minus_exp(dt_s / tuning->winding_s);
-    const float heat = self->heat + x * (load - self->heat);
-    self->heat = heat < HEAT_MAX ? lode_max(heat, 0.0f) : HEAT_MAX; // NaN: hot
+    lode_add_small(&self->heat, &self->rest, x * (load - self->heat));
+    if (!lode_in_range(self->heat, 0.0f, HEAT_MAX)) {
+        lode_derate_reset(self, self->heat < 0.0f ? 0.0f : HEAT_MAX); // NaN: hot
+    }
     const float winding =
         tuning->least + (1.0f - tuning->least) * lode_fade(&tuning->winding, self->heat);
     return lode_min(winding, lode_fade(&tuning->stage, telemetry->temperature_degC));

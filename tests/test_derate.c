@@ -72,6 +72,20 @@ static void test_the_winding_heats_up_to_its_continuous_current(void) {
     TEST_ASSERT_EQUAL_FLOAT(1.0f, share);
 }
 
+/// A slow winding and a fast caller: what a call adds is less than the last digit of the heat.
+static void test_a_slow_winding_heats_up_in_fast_calls(void) {
+    lode_derate_tuning_t tuning = tuned();
+    tuning.winding_s = 1.0e4f;
+    lode_derate_t derate;
+    lode_derate_reset(&derate, 0.9f);
+    const lode_telemetry_t now = at(1.04f * 6.0f, 25.0f);
+    for (int n = 0; n < 100000; n++) {
+        (void)lode_derate_step(&derate, &tuning, &now, 1.0e-3f);
+    }
+    const double load = 1.04 * 1.04;
+    CHECK_NEAR(2.0e-5, load - (load - 0.9) * exp(-0.01), (double)derate.heat);
+}
+
 /// In FAULT the current that is told is that of the trip, and none flows; with all low sides on there is one of up to `i_max`.
 static void test_a_trip_heats_no_winding(void) {
     const lode_derate_tuning_t tuning = tuned();
@@ -188,6 +202,7 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_bad_configurations_are_refused);
     RUN_TEST(test_the_winding_heats_up_to_its_continuous_current);
+    RUN_TEST(test_a_slow_winding_heats_up_in_fast_calls);
     RUN_TEST(test_a_trip_heats_no_winding);
     RUN_TEST(test_a_hot_power_stage_has_less_torque);
     RUN_TEST(test_what_is_no_number_counts_as_hot);
