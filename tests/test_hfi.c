@@ -2,6 +2,8 @@
 #include "support/fields.h"
 #include "support/rig.h"
 
+#include "drive_inline.h"
+#include "drive_slots_inline.h"
 #include "emf_inline.h"
 #include "estimator_inline.h"
 #include "hfi_inline.h"
@@ -991,6 +993,19 @@ static void test_a_rotor_that_is_lost_hides_no_fault(void) {
     TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, sensored.mode);
 }
 
+/// With injection the rotor may turn either way: its direction, noted once per round, is none that WRONG_WAY holds it to.
+static void test_either_direction_is_right(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 1.0, 0.05, 0.0f);
+    rig_run(&rig, 0.5);
+    lode_drive_t drive = rig.drive;
+    drive.estimator.pll.omega_rad_s = -0.1f;
+    drive.direction = 1.0f;
+    TEST_ASSERT_EQUAL_FLOAT(0.1f, lode_drive_condition(&drive).omega_rad_s);
+    drive.estimator.by.hfi.active = false;
+    TEST_ASSERT_EQUAL_FLOAT(-0.1f, lode_drive_condition(&drive).omega_rad_s);
+}
+
 /// (K41): a rotor that is lost because a phase is open is not looked for.
 static void test_a_loss_by_an_open_phase_trips(void) {
     static rig_t rig;
@@ -1754,6 +1769,7 @@ int main(void) {
     RUN_TEST(test_a_rotor_that_is_lost_is_found_again);
     RUN_TEST(test_a_rotor_that_is_lost_soon_is_found_again);
     RUN_TEST(test_a_rotor_that_is_lost_hides_no_fault);
+    RUN_TEST(test_either_direction_is_right);
     RUN_TEST(test_a_loss_by_an_open_phase_trips);
     RUN_TEST(test_a_wave_that_an_open_phase_does_not_let_pass);
     RUN_TEST(test_a_loss_at_speed_trips);
