@@ -15,7 +15,7 @@ static inline lode_ab_t seen_V(const lode_drive_t *drive) {
                                    drive->estimator.emf.i_A);
 }
 
-// Channels of starts and faults: rare, so not LODE_RAMFUNC. 0 for any other number.
+// Channels of starts, faults and limits: rare, so not LODE_RAMFUNC. 0 for any other number.
 static LODE_NOINLINE float rare_value(const lode_drive_t *drive, lode_channel_t channel) {
     const lode_fault_t *fault = &drive->guard.fault;
     if (channel == LODE_CHANNEL_FAULT_MEASURED) {
@@ -32,6 +32,9 @@ static LODE_NOINLINE float rare_value(const lode_drive_t *drive, lode_channel_t 
     }
     if (channel == LODE_CHANNEL_SIGNALS_CHECKED) {
         return lode_drive_knows(drive, LODE_KNOWN_SIGNALS) ? 1.0f : 0.0f;
+    }
+    if (channel == LODE_CHANNEL_LIMITED) {
+        return (float)lode_drive_limited(drive);
     }
     return channel == LODE_CHANNEL_CRITERION ? (float)fault->criterion : 0.0f;
 }
@@ -93,6 +96,7 @@ static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) 
     case LODE_CHANNEL_RETRIES:
     case LODE_CHANNEL_CRITERION:
     case LODE_CHANNEL_SIGNALS_CHECKED:
+    case LODE_CHANNEL_LIMITED:
     case LODE_CHANNEL_COUNT:
     default:
         return rare_value(drive, channel);

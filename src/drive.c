@@ -193,6 +193,16 @@ static bool is_held(const lode_drive_t *self, const lode_speed_t *speed) {
 #endif
 }
 
+uint32_t lode_drive_limited(const lode_drive_t *self) {
+    if (lode_mode(self) != LODE_MODE_RUN) {
+        return 0u;
+    }
+    const lode_speed_t *speed = &self->state.run.speed;
+    return (is_limited(speed) ? (uint32_t)LODE_LIMITED_TORQUE : 0u) |
+           (is_raised(self) ? (uint32_t)LODE_LIMITED_RAISED : 0u) |
+           (is_held(self, speed) ? (uint32_t)LODE_LIMITED_HELD : 0u);
+}
+
 // Position error by EMF and by injection, and the weight of injection in the PLL.
 static void tell_errors(const lode_estimator_t *estimator, lode_telemetry_t *telemetry) {
     telemetry->emf_error_rad =
@@ -213,6 +223,7 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
         const uint32_t steps = LODE_SHARED_LOAD(self->steps);
         LODE_SIGNAL_FENCE();
         const lode_pll_t *pll = &self->estimator.pll;
+        const uint32_t limited = lode_drive_limited(self);
         const lode_speed_t *speed =
             lode_mode(self) == LODE_MODE_RUN ? &self->state.run.speed : NULL;
         *telemetry = (lode_telemetry_t){
@@ -220,9 +231,9 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
             .mode = lode_mode(self),
             .start_stage = lode_drive_start_stage(self),
             .fault = self->guard.fault,
-            .torque_limited = speed != NULL && is_limited(speed),
-            .speed_raised = speed != NULL && is_raised(self),
-            .speed_held = speed != NULL && is_held(self, speed),
+            .torque_limited = (limited & (uint32_t)LODE_LIMITED_TORQUE) != 0u,
+            .speed_raised = (limited & (uint32_t)LODE_LIMITED_RAISED) != 0u,
+            .speed_held = (limited & (uint32_t)LODE_LIMITED_HELD) != 0u,
             .retries = lode_drive_retries(self),
             .trips = self->guard.trips,
             .signals_checked = lode_drive_knows(self, LODE_KNOWN_SIGNALS),

@@ -38,7 +38,9 @@ static void fields_of(const lode_telemetry_t *t, float value[LODE_CHANNEL_COUNT]
                             (float)t->start_stage,
                             (float)t->retries,
                             (float)t->fault.criterion,
-                            (float)t->signals_checked};
+                            (float)t->signals_checked,
+                            (t->torque_limited ? 1.0f : 0.0f) + (t->speed_raised ? 2.0f : 0.0f) +
+                                (t->speed_held ? 4.0f : 0.0f)};
     TEST_ASSERT_EQUAL_INT(LODE_CHANNEL_COUNT, COUNT_OF(fields));
     memcpy(value, fields, sizeof fields);
 }
@@ -80,6 +82,10 @@ static void test_channels_are_the_fields_of_the_telemetry(void) {
         note_used(&rig, used);
     }
     rig_expect(&rig, LODE_MODE_RUN);
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = 0.5f}); // is raised
+    rig_run(&rig, 0.5);
+    check_channels(&rig);
+    note_used(&rig, used);
     rig.trip = true;
     rig_step(&rig);
     rig_expect(&rig, LODE_MODE_FAULT);
@@ -164,7 +170,7 @@ static void test_bits_are_ieee_754(void) {
 #define NUMBER(channel, number, name, unit) TEST_ASSERT_EQUAL_INT(number, LODE_CHANNEL_##channel);
 static void test_numbers_are_those_of_the_table_without_gaps(void) {
     LODE_CHANNELS(NUMBER)
-    TEST_ASSERT_EQUAL_INT(30, LODE_CHANNEL_COUNT);
+    TEST_ASSERT_EQUAL_INT(31, LODE_CHANNEL_COUNT);
 }
 #undef NUMBER
 

@@ -43,7 +43,8 @@ extern "C" {
     ROW(RETRIES, 27, "retries", "")         /* attempts of the start that have failed */           \
     ROW(CRITERION, 28, "criterion", "")     /* that the last one did not meet: lode_criterion_t */ \
     ROW(SIGNALS_CHECKED, 29, "signals_checked",                                                    \
-        "") /* 1: the start's signal check has gone through */
+        "")                         /* 1: the start's signal check has gone through */             \
+    ROW(LIMITED, 30, "limited", "") /* bits LODE_LIMITED_... of lode_drive_limited() */
 
 #define LODE_CHANNEL_ENUMERATOR(channel, number, name, unit) LODE_CHANNEL_##channel = (number),
 typedef enum {

@@ -320,6 +320,16 @@ static inline uint_least8_t lode_drive_retries(const lode_drive_t *self) {
 #endif
 }
 
+/// Bits of lode_drive_limited(): why torque or speed are not the commanded ones.
+enum {
+    LODE_LIMITED_TORQUE = 1, ///< lode_telemetry_t.torque_limited
+    LODE_LIMITED_RAISED = 2, ///< lode_telemetry_t.speed_raised
+    LODE_LIMITED_HELD = 4    ///< lode_telemetry_t.speed_held
+};
+
+/// 0: RUN does what is commanded, or the mode is another one. From the interrupt after lode_drive_step().
+uint32_t lode_drive_limited(const lode_drive_t *self);
+
 /// A consistent snapshot of one control period, for logs and displays. The period is the last one, k; its samples
 /// are from t_k. With the gates off nothing is estimated or controlled: from `i_A` on all but `v_bus_V` and
 /// `temperature_degC` are 0, in FAULT those of the trip.
