@@ -87,6 +87,21 @@ def starts(checks, folder):
     print("the same with hand-over at 100 rpm:", paper.stdout.strip().splitlines()[-1])
 
 
+def reversal_against_friction(checks, folder):
+    """Hall switches, and friction that holds the rotor within a count while it reverses (A6)."""
+    phases = "".join(f"[phase.{name}]\nduration_s = 1.5\nspeed_rpm = {way}{{rpm}}\nload_Nm = {{load}}\nend_mode = run\n"
+                     for name, way in (("a", ""), ("b", "-"), ("c", ""), ("d", "-")))
+    for motor, counts, rpm, load in (("jiang2022", 18, 450, 1.5), ("jiang2022", 18, 450, 2.5), ("servo_48V", 24, 900, 0.15),
+                                     ("ebike_hub", 138, 60, 6), ("gimbal_12V", 66, 60, 0.015)):
+        for kind in ("passive", "signed"):
+            folder.write("hall.ini", f"[scenario]\nmotor = {SOURCE}/sim/data/motors/{motor}.ini\n"
+                         f"drive = {SOURCE}/sim/data/drives/{motor}.ini\n[estimator]\nsource = encoder\n"
+                         f"[encoder]\ncounts_per_turn = {counts}\n[plant]\ninverter = switched\nload_kind = {kind}\n"
+                         + phases.format(rpm=rpm, load=load))
+            done = folder.run("run", "hall.ini")
+            checks.equal(done.returncode, 0, f"{motor}, {load} Nm, {kind}: {done.stdout}")
+
+
 def reversal_by_hall_switches(checks, folder):
     """At full torque, whatever the noise and the angle at rest."""
     done = folder.run("run", "hall", "--seeds", "1-220" if FULL else "1-40")
@@ -424,6 +439,7 @@ def main():
         seeds(checks, folder)
         scenarios(checks, folder)
         starts(checks, folder)
+        reversal_against_friction(checks, folder)
         reversal_by_hall_switches(checks, folder)
         exit_codes(checks, folder)
         failed_start(checks, folder)
