@@ -304,7 +304,7 @@ static void test_a_load_that_opposes_the_motion_turns_round_with_it(void) {
             lode_encoder_t encoder;
             lode_encoder_reset(&encoder);
             (void)lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f}, 0u);
-            encoder.omega_rad_s = way * 0.01f;
+            encoder.omega_rad_s = way * 0.005f;
             encoder.load_rad_s2 = against == 1 ? -way * 100.0f : way * 100.0f;
             encoder.acc_rad_s2 = -way * 300.0f;
             (void)lode_encoder_estimate(&encoder, &tuning, &own, (lode_ab_t){0.0f, 0.0f}, 0u);
