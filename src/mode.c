@@ -10,6 +10,8 @@
 
 // A sensor's estimate counts as present in the whole round of slow jobs that follows it.
 #define SENSOR_ROUNDS 2u
+// Sum of all magnitudes of an external estimate, in SI units: far beyond any motor, and products of such numbers are finite.
+#define ESTIMATE_MOST 1.0e6f
 
 void lode_mode_set(lode_drive_t *self, lode_mode_t mode) {
     self->mode = (uint_least8_t)mode;
@@ -438,14 +440,16 @@ LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *es
                       lode_abs(estimate->rotor.cos) + lode_abs(estimate->rotor.sin) +
                       lode_abs(estimate->omega_rad_s) + lode_abs(estimate->load_torque_Nm) +
                       lode_abs(estimate->e_V.alpha) + lode_abs(estimate->e_V.beta);
-    if (!lode_is_finite(sum) || !lode_in_range(estimate->lock, 0.0f, 1.0f)) {
+    if (!(sum <= ESTIMATE_MOST) || !lode_in_range(estimate->lock, 0.0f, 1.0f)) {
         lode_mode_fault(self, LODE_CHECK_NON_FINITE, 1.0f, 0.0f);
         return;
     }
     const float step_rad = self->tuning->estimator.pll.ts_s * estimate->omega_rad_s;
-    own->pll.omega_rad_s = estimate->omega_rad_s;
+    // The observer's lag is known up to this speed, which is beyond that of OVER_SPEED by default.
+    const float most = self->tuning->estimator.omega_limit;
+    own->pll.omega_rad_s = lode_clamp(estimate->omega_rad_s, -most, most);
     lode_estimator_forget_motion(own);
-    lode_estimator_move_lag(own, &self->tuning->estimator, estimate->omega_rad_s);
+    lode_estimator_move_lag(own, &self->tuning->estimator, own->pll.omega_rad_s);
     own->pll.frame =
         lode_angle_subtract(estimate->rotor, lode_lag_near(&own->lag, own->pll.omega_rad_s));
     own->pll.f_rad_s2 = load_per_f < 0.0f ? estimate->load_torque_Nm / load_per_f : 0.0f;

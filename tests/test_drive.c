@@ -742,17 +742,19 @@ static void test_an_estimate_that_is_taken_over_is_the_own_one(void) {
     }
 }
 
-/// Numbers whose sum is none are no motor's, and so is a lock beyond one.
+/// Numbers beyond a million, or whose sum is, are no motor's, and neither is a lock beyond one.
 static void test_an_estimate_of_no_motor_trips(void) {
     rig_t start = running(60.0, 3.0);
-    for (int k = 1; k <= 8; k++) {
+    for (int k = 0; k <= 16; k++) {
         rig_t rig = start;
         lode_estimate_t e = lode_mode_estimate(&rig.drive);
         e.source = LODE_ESTIMATE_EXTERNAL;
         float *const fields[] = {&e.i_A.d,       &e.i_A.q,          &e.rotor.cos, &e.rotor.sin,
                                  &e.omega_rad_s, &e.load_torque_Nm, &e.e_V.alpha, &e.e_V.beta};
         if (k < 8) {
-            *fields[0] = *fields[k] = 3.0e38f;
+            *fields[k] = -1.0e6f;
+        } else if (k < 16) {
+            *fields[0] = *fields[k - 8] = k == 8 ? INFINITY : 3.0e38f; // the sum is infinite
         } else {
             e.lock = nextafterf(1.0f, 2.0f);
         }
@@ -761,6 +763,30 @@ static void test_an_estimate_of_no_motor_trips(void) {
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_NON_FINITE, fault->check);
         CHECK_NEAR(0.0, 1.0, fault->measured);
         CHECK_NEAR(0.0, 0.0, fault->limit);
+    }
+}
+
+/// The lag of the observer ends where the estimator's speed does. A faster estimate made it infinite, and with it what
+/// telemetry tells of the position.
+static void test_an_estimate_beyond_all_speed_trips_in_numbers(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig_t rig = running(60.0, 3.0);
+        const float limit = rig.drive.tuning->estimator.omega_limit;
+        int periods = 0;
+        do {
+            const lode_counts_t counts = rig_counts(&rig);
+            const lode_sample_t m = lode_drive_sense(&rig.drive, &counts);
+            lode_estimate_t e = lode_drive_estimate(&rig.drive, &m);
+            e.source = LODE_ESTIMATE_EXTERNAL;
+            e.omega_rad_s = 9.0e5f * (float)sign;
+            rig.out = lode_drive_act(&rig.drive, &m, &e);
+            rig_move(&rig);
+            const lode_telemetry_t t = rig_telemetry(&rig);
+            TEST_ASSERT_TRUE(lode_is_finite(t.emf_error_rad) && lode_is_finite(t.theta_rad));
+            CHECK_NEAR(1.0e-3 * (double)limit, (double)limit * sign, t.omega_rad_s);
+            periods++;
+        } while (rig.out.gates && periods < 100);
+        CHECK_AT_MOST(2 * LODE_SLOW_PERIODS, periods);
     }
 }
 
@@ -822,7 +848,7 @@ static void test_a_voltage_that_is_none_trips_in_the_same_call(void) {
     lode_estimate_t e = lode_drive_estimate(&rig.drive, &m);
     m.v_bus_V = 1.0e7f;
     e.source = LODE_ESTIMATE_EXTERNAL;
-    e.omega_rad_s = 1.0e6f;
+    e.omega_rad_s = 9.0e5f;
     TEST_ASSERT_TRUE(is_idle(lode_drive_act(&rig.drive, &m, &e)));
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NON_FINITE, rig_telemetry(&rig).fault.check);
 }
@@ -837,7 +863,7 @@ static void test_a_bus_and_a_speed_of_no_motor_stay_in_range_and_trip(void) {
         const lode_sample_t m = lode_drive_sense(&rig.drive, &counts);
         lode_estimate_t e = lode_drive_estimate(&rig.drive, &m);
         e.source = LODE_ESTIMATE_EXTERNAL;
-        e.omega_rad_s = 1.0e9f;
+        e.omega_rad_s = 9.0e5f;
         rig.out = lode_drive_act(&rig.drive, &m, &e);
         TEST_ASSERT_TRUE(lode_in_range(rig.out.duty.a, 0.0f, 1.0f));
         TEST_ASSERT_TRUE(lode_in_range(rig.out.duty.b, 0.0f, 1.0f));
@@ -1093,6 +1119,7 @@ int main(void) {
     RUN_TEST(test_an_estimate_that_is_no_number_trips_in_the_same_call);
     RUN_TEST(test_an_estimate_that_is_taken_over_is_the_own_one);
     RUN_TEST(test_an_estimate_of_no_motor_trips);
+    RUN_TEST(test_an_estimate_beyond_all_speed_trips_in_numbers);
     RUN_TEST(test_an_estimate_of_the_hosts_own_is_taken_over);
     RUN_TEST(test_the_lock_of_an_external_estimate_counts);
     RUN_TEST(test_a_voltage_that_is_none_trips_in_the_same_call);

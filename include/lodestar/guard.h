@@ -20,7 +20,7 @@ typedef enum {
     LODE_CHECK_UNDER_VOLTAGE,    ///< bus voltage, V
     LODE_CHECK_OVER_TEMPERATURE, ///< power stage, degC
     LODE_CHECK_TIMING,           ///< change of the stamp between two calls, counts
-    LODE_CHECK_NON_FINITE, ///< a duty outside [0, 1], or an external estimate that is not finite
+    LODE_CHECK_NON_FINITE, ///< a duty outside [0, 1], or an external estimate that no motor can have
     LODE_CHECK_OVER_SPEED, ///< electrical speed, rad/s; negative: against the commanded direction
     LODE_CHECK_LOST_LOCK, ///< lock quality in RUN; with an angle sensor: the EMF contradicts the sensor
     /// electrical speed, rad/s; negative: against the commanded direction. In START the speed to which a load has
