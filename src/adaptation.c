@@ -353,6 +353,11 @@ static float grown(float variance, float sigma, float share) {
     return lode_min(variance + share * square(sigma), square(sigma));
 }
 
+// Below 0 only by rounding, where an observation leaves hardly any variance.
+static float lessened(float variance, float k, float v, float s) {
+    return lode_max(variance + k * (k * s - 2.0f * v), 0.0f);
+}
+
 // (O5): a Kalman filter of two states. One that is not adapted, or a flux at low speed, keeps its value and its variance.
 static void follow_emf(lode_adaptation_machine_t *self, const lode_drive_t *drive,
                        const lode_telemetry_t *now, float dt_s) {
@@ -369,13 +374,13 @@ static void follow_emf(lode_adaptation_machine_t *self, const lode_drive_t *driv
     self->variance_Rs = grown(self->variance_Rs, RS_SIGMA, dt_s / RS_MEMORY_s);
     const float v_psi = self->variance_psi * h_psi + self->covariance * h_Rs;
     const float v_Rs = self->covariance * h_psi + self->variance_Rs * h_Rs;
-    const float s = lode_max(v_psi * h_psi + v_Rs * h_Rs + noise, FLT_MIN);
+    const float s = lode_max(lode_max(v_psi * h_psi + v_Rs * h_Rs, 0.0f) + noise, FLT_MIN);
     const float k_psi = self->adapts_psi && h_psi >= PSI_SPEED_MIN ? v_psi / s : 0.0f;
     const float k_Rs = self->adapts_Rs ? v_Rs / s : 0.0f;
     self->psi_share = lode_clamp(self->psi_share + k_psi * off, -PSI_MAX, PSI_MAX);
     self->Rs_share = lode_clamp(self->Rs_share + k_Rs * off, -RS_MAX, RS_MAX);
-    self->variance_psi += k_psi * (k_psi * s - 2.0f * v_psi);
-    self->variance_Rs += k_Rs * (k_Rs * s - 2.0f * v_Rs);
+    self->variance_psi = lessened(self->variance_psi, k_psi, v_psi, s);
+    self->variance_Rs = lessened(self->variance_Rs, k_Rs, v_Rs, s);
     self->covariance += k_psi * k_Rs * s - k_psi * v_Rs - k_Rs * v_psi;
 }
 

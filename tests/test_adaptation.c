@@ -654,6 +654,25 @@ static void test_resistance_is_found_at_low_speed_and_high_current(void) {
     TEST_ASSERT_FLOAT_WITHIN(0.06f, 0.3f, used / bench.config.motor.Rs_Ohm);
 }
 
+// At rest, a current of no motor leaves hardly any variance, and rounding none at all: a variance below 0 was a confidence above
+// 1, which is not taken as a stored one.
+static void test_what_is_certain_is_no_more_than_that(void) {
+    static bench_t bench;
+    int certain = 0;
+    for (double load_Nm = 1.0e3; load_Nm < 1.0e6; load_Nm *= 1.1) {
+        bench_init(&bench, &all, NULL);
+        bench.reference = bench.speed = 0.0;
+        bench.load_Nm = load_Nm;
+        for (int n = 0; n < 20; n++) {
+            (void)bench_call(&bench, 0.0);
+            const float confidence = found_by(&bench).Rs_Ohm.confidence;
+            TEST_ASSERT_TRUE(lode_in_range(confidence, 0.0f, 1.0f));
+            certain += confidence < 1.0f ? 0 : 1;
+        }
+    }
+    CHECK_AT_LEAST(1, certain);
+}
+
 // What the start has measured is where it goes on from; it is not reckoned with twice.
 static void test_resistance_goes_on_from_what_the_start_measured(void) {
     static bench_t bench;
@@ -1041,6 +1060,7 @@ int main(void) {
     RUN_TEST(test_flux_is_not_learned_at_low_speed);
     RUN_TEST(test_small_currents_tell_less_of_the_flux);
     RUN_TEST(test_resistance_is_found_at_low_speed_and_high_current);
+    RUN_TEST(test_what_is_certain_is_no_more_than_that);
     RUN_TEST(test_resistance_goes_on_from_what_the_start_measured);
     RUN_TEST(test_without_a_measurement_the_resistance_is_not_known);
     RUN_TEST(test_a_measured_resistance_does_not_hang_on_the_flux);
