@@ -55,11 +55,19 @@ static inline void fuzz_spoil_counts(fuzz_t *in, lode_counts_t *counts) {
     }
 }
 
-/// A command that a user would give: another speed, the other way, a stop.
+/// A command that a user would give: another speed, the other way, a torque, a stop.
 static inline lode_command_t fuzz_run(fuzz_t *in, float most_rad_s) {
     const float share = (float)(int16_t)fuzz_word(in) / 32768.0f;
-    const bool stop = (fuzz_byte(in) & 3u) == 0u;
-    return (lode_command_t){.mode = LODE_MODE_RUN, .speed_rad_s = stop ? 0.0f : share * most_rad_s};
+    const uint8_t flags = fuzz_byte(in);
+    const bool stop = (flags & 3u) == 0u;
+    lode_command_t x = {.mode = LODE_MODE_RUN,
+                        .speed_rad_s = stop ? 0.0f : share * most_rad_s,
+                        .active_short = (flags & 64u) != 0u};
+    if ((flags & 128u) != 0u) {
+        x.control = LODE_CONTROL_TORQUE;
+        x.torque_Nm = 6.0f * (float)(int16_t)fuzz_word(in) / 32768.0f;
+    }
+    return x;
 }
 
 #endif
