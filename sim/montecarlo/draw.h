@@ -37,8 +37,8 @@ typedef struct {
     rig_config_t given;   ///< its files, read and completed; nothing computed yet
     double torque_Nm;     ///< 100 %: at i_max/1.5 with id = 0
     double torque_max_Nm; ///< at i_max
-    double
-        full_e_rad_s; ///< 100 % of speed: rated, at most 0.9 of base speed and 0.95 of the estimator's limit
+    /// 100 % of speed: rated, at most 0.9 of base speed and 0.95 of the estimator's limit
+    double full_e_rad_s;
     double rated_e_rad_s;
     double bus_e_rad_s; ///< above it the EMF drives a current through the diodes
     double np;

@@ -56,8 +56,8 @@ typedef struct {
     int silent;   ///< number of variants that were silent
 } fault_result_t;
 
-/// `config` is already designed and accepted. `load_share`: as in fault_bench_t. False after a message if the drive does not start or does not
-/// keep running.
+/// `config` is already designed and accepted. `load_share`: as in fault_bench_t. False after a message if the drive
+/// does not start or does not keep running.
 bool fault_bench_init(fault_bench_t *self, const rig_config_t *config, double load_share);
 
 fault_result_t fault_case_run(const fault_bench_t *self, const inject_kind_t *kind,
