@@ -15,9 +15,12 @@ static inline lode_ab_t seen_V(const lode_drive_t *drive) {
                                    drive->estimator.emf.i_A);
 }
 
-// Channels of starts, faults and limits: rare, so not LODE_RAMFUNC. 0 for any other number.
+// Channels of starts, faults, limits and heat: rare, so not LODE_RAMFUNC. 0 for any other number.
 static LODE_NOINLINE float rare_value(const lode_drive_t *drive, lode_channel_t channel) {
     const lode_fault_t *fault = &drive->guard.fault;
+    if (channel == LODE_CHANNEL_TEMPERATURE) {
+        return lode_sense_temperature_degC(&drive->tuning->sense, drive->temperature);
+    }
     if (channel == LODE_CHANNEL_FAULT_MEASURED) {
         return fault->measured;
     }
@@ -66,8 +69,6 @@ static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) 
         return drive->u_V.q;
     case LODE_CHANNEL_V_BUS:
         return drive->inverter.v_bus_V;
-    case LODE_CHANNEL_TEMPERATURE:
-        return lode_sense_temperature_degC(&drive->tuning->sense, drive->temperature);
     case LODE_CHANNEL_THETA:
         return lode_estimator_theta_rad(&drive->estimator);
     case LODE_CHANNEL_OMEGA:
@@ -90,6 +91,7 @@ static inline float value_of(const lode_drive_t *drive, lode_channel_t channel) 
         return seen_V(drive).alpha;
     case LODE_CHANNEL_U_BETA:
         return seen_V(drive).beta;
+    case LODE_CHANNEL_TEMPERATURE:
     case LODE_CHANNEL_FAULT_MEASURED:
     case LODE_CHANNEL_FAULT_LIMIT:
     case LODE_CHANNEL_START_STAGE:
