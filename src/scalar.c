@@ -1,6 +1,7 @@
 #include "scalar_inline.h"
 
-LODE_RAMFUNC lode_sincos_t lode_sincos(float x_rad) {
+// Not LODE_RAMFUNC: in RUN only for an angle from outside and in options, and small fast memories have no room for it.
+lode_sincos_t lode_sincos(float x_rad) {
     const float x =
         lode_in_range(x_rad, -LODE_ANGLE_LIMIT_rad, LODE_ANGLE_LIMIT_rad) ? x_rad : 0.0f;
 #ifdef LODE_SINCOS_BOARD

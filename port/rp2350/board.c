@@ -104,7 +104,7 @@ LODE_RAMFUNC void board_read(lode_counts_t *counts) {
     *counts = (lode_counts_t){
         .i = {sample[0], sample[1], CHIP_IS_TWO ? 0u : sample[2]},
         .v_bus = v_bus,
-        .trip = !complete || chip_tripped(),
+        .trip = !complete || chip_tripped() || !chip_pwm_holds(),
         .stamp = board_cycles(),
     };
     port_sequential_read(&sequential, (float)v_bus * VARIANT_V_BUS_GAIN_V_count, counts->i);

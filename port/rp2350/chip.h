@@ -71,6 +71,8 @@ bool chip_pwm_init(void);
 /// Starts all slices at once.
 void chip_pwm_start(void);
 void chip_pwm_write(lode_abc_t duty);
+/// True if the compare registers hold what was written last.
+bool chip_pwm_holds(void);
 /// Call in the interrupt: moves the deadline on.
 void chip_deadline_move(void);
 

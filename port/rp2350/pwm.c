@@ -6,6 +6,7 @@
 
 static const uint32_t gpio[CHIP_PHASES] = VARIANT_PWM_GPIOS;
 static uint32_t steps;
+static uint32_t written[CHIP_PHASES]; // compare values
 
 static uint32_t slice_of(uint32_t pin) {
     return pin / 2u % 8u;
@@ -53,9 +54,18 @@ static inline uint32_t compare(float duty) {
 }
 
 LODE_RAMFUNC void chip_pwm_write(lode_abc_t duty) {
-    reg_write(PWM_CC(slice_of(gpio[0])), compare(duty.a));
-    reg_write(PWM_CC(slice_of(gpio[1])), compare(duty.b));
-    reg_write(PWM_CC(slice_of(gpio[2])), compare(duty.c));
+    written[0] = compare(duty.a);
+    written[1] = compare(duty.b);
+    written[2] = compare(duty.c);
+    reg_write(PWM_CC(slice_of(gpio[0])), written[0]);
+    reg_write(PWM_CC(slice_of(gpio[1])), written[1]);
+    reg_write(PWM_CC(slice_of(gpio[2])), written[2]);
+}
+
+LODE_RAMFUNC bool chip_pwm_holds(void) {
+    return reg_read(PWM_CC(slice_of(gpio[0]))) == written[0] &&
+           reg_read(PWM_CC(slice_of(gpio[1]))) == written[1] &&
+           reg_read(PWM_CC(slice_of(gpio[2]))) == written[2];
 }
 
 LODE_RAMFUNC void chip_deadline_move(void) {

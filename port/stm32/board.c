@@ -54,6 +54,10 @@ static inline bool currents_read(uint16_t count[3]) {
     return chip_link_read(count);
 }
 
+static inline bool duties_hold(void) {
+    return true; // chip_link_read() has checked it
+}
+
 static inline void duties_write(const lode_drive_out_t *out) {
     chip_link_write(out);
 }
@@ -65,6 +69,10 @@ static inline bool currents_read(uint16_t count[3]) {
     count[1] = (uint16_t)REG_READ(VARIANT_COUNT_B);
     count[2] = (uint16_t)REG_READ(VARIANT_COUNT_C);
     return true;
+}
+
+static inline bool duties_hold(void) {
+    return stm32_pwm_holds(stm32_pwm_written);
 }
 
 static inline void duties_write(const lode_drive_out_t *out) {
@@ -165,7 +173,8 @@ LODE_RAMFUNC void board_read(lode_counts_t *counts) {
     *counts = (lode_counts_t){
         .v_bus = (uint16_t)REG_READ(VARIANT_COUNT_BUS),
         .temperature = port_temperature(REG_READ(VARIANT_COUNT_T)),
-        .trip = port_is_wrong_half(&ran, stm32_pwm_counts_down()) || stm32_pwm_tripped(),
+        .trip = port_is_wrong_half(&ran, stm32_pwm_counts_down()) || stm32_pwm_tripped() ||
+                !duties_hold(),
         .stamp = stm32_stamp(),
     };
     counts->trip = !currents_read(counts->i) || counts->trip;

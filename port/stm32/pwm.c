@@ -31,6 +31,8 @@ bool stm32_dead_time(uint32_t f_timer_Hz, uint32_t dead_time_ns, uint32_t *dtg) 
     return false;
 }
 
+uint32_t stm32_pwm_written[3];
+
 #define HIGH_SIDES (TIM_CCER_CC1E | TIM_CCER_CC2E | TIM_CCER_CC3E)
 #define LOW_SIDES (TIM_CCER_CC1NE | TIM_CCER_CC2NE | TIM_CCER_CC3NE)
 

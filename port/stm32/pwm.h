@@ -34,12 +34,24 @@ bool stm32_pwm_init(const stm32_pwm_t *config);
 /// The counter starts at the lower turning point.
 void stm32_pwm_start(void);
 
+/// What stm32_pwm_write() wrote last.
+extern uint32_t stm32_pwm_written[3];
+
 /// Writes the preload of the compare registers; duties in [0, 1].
 static inline void stm32_pwm_write(lode_abc_t duty) {
     const float steps = (float)REG_READ(TIM1->ARR);
-    REG_WRITE(TIM1->CCR1, (uint32_t)(int32_t)((1.0f - duty.a) * steps + 0.5f));
-    REG_WRITE(TIM1->CCR2, (uint32_t)(int32_t)((1.0f - duty.b) * steps + 0.5f));
-    REG_WRITE(TIM1->CCR3, (uint32_t)(int32_t)((1.0f - duty.c) * steps + 0.5f));
+    stm32_pwm_written[0] = (uint32_t)(int32_t)((1.0f - duty.a) * steps + 0.5f);
+    stm32_pwm_written[1] = (uint32_t)(int32_t)((1.0f - duty.b) * steps + 0.5f);
+    stm32_pwm_written[2] = (uint32_t)(int32_t)((1.0f - duty.c) * steps + 0.5f);
+    REG_WRITE(TIM1->CCR1, stm32_pwm_written[0]);
+    REG_WRITE(TIM1->CCR2, stm32_pwm_written[1]);
+    REG_WRITE(TIM1->CCR3, stm32_pwm_written[2]);
+}
+
+/// True if the compare registers hold these values; read, they show their preload.
+static inline bool stm32_pwm_holds(const uint32_t compare[3]) {
+    return REG_READ(TIM1->CCR1) == compare[0] && REG_READ(TIM1->CCR2) == compare[1] &&
+           REG_READ(TIM1->CCR3) == compare[2];
 }
 
 /// True if a break is latched.

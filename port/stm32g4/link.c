@@ -6,6 +6,7 @@
 
 #include "board.h"
 #include "figures.h"
+#include "pwm.h"
 
 #define TRGO_OC4REF (7u << 4)              // TIM1_CR2.MMS
 #define TRGO2_OC5REF_OR_OC6REF (14u << 20) // .MMS2: a rising edge of either
@@ -25,7 +26,8 @@ uint32_t chip_link_rise[3];
 static lode_single_shunt_t shunt;
 static lode_single_shunt_tuning_t tuning;
 static lode_single_shunt_plan_t plan; // for the next period
-static bool complete;                 // both samples of the last period are there
+static bool
+    complete; // both samples of the last period are there, and its edges were those of the plan
 
 static uint32_t compare(float edge) {
     return (uint32_t)(int32_t)((1.0f - edge) * (float)REG_READ(TIM1->ARR) + 0.5f);
@@ -116,10 +118,11 @@ static void restart_adc_sequence(void) {
 
 void chip_adc_acknowledge(void) {
     REG_WRITE(ADC2->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
-    complete = (REG_READ(ADC1->ISR) & ADC_ISR_JEOS) != 0u;
-    if (!complete) {
+    const bool sampled = (REG_READ(ADC1->ISR) & ADC_ISR_JEOS) != 0u;
+    if (!sampled) {
         restart_adc_sequence();
     }
+    complete = sampled && stm32_pwm_holds(chip_link_rise); // the DMA has written them
     REG_WRITE(ADC1->ISR, ADC_ISR_JEOC | ADC_ISR_JEOS);
     // Written before the upper turning point, which loads them.
     REG_WRITE(TIM1->CCR1, compare(plan.fall.a));

@@ -28,7 +28,8 @@ bool board_init(float i_trip_A) {
 /// Watchdog; then arm the ADC, enable the interrupt, start the timer: in this order.
 void board_start(void) {}
 
-/// Read the result registers; trip = the timer's break flag; stamp = board_cycles().
+/// Read the result registers; trip = the timer's break flag, or compare registers that do not hold what was
+/// written last; stamp = board_cycles().
 void board_read(lode_counts_t *counts) {
     *counts = (lode_counts_t){.stamp = board_cycles()};
 }

@@ -43,7 +43,7 @@ LODE_RAMFUNC void board_read(lode_counts_t *counts) {
         .v_bus = chip_bus(),
         .temperature = port_temperature(chip_temperature()),
         .trip = port_is_wrong_half(&ran, chip_pwm_counts_down()) || chip_pwm_tripped() ||
-                missed_periods,
+                missed_periods || !chip_pwm_holds(),
         .stamp = board_cycles(),
     };
 }

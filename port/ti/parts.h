@@ -21,6 +21,8 @@ void chip_pwm_low_sides_alone(bool alone);
 /// Writes the shadows of the compare registers, which are loaded at the next zero, with double update at the
 /// next turning point.
 void chip_pwm_write(lode_abc_t duty);
+/// True if the shadows of the compare registers hold what was written last.
+bool chip_pwm_holds(void);
 /// True if a trip is latched; chip_pwm_off() does not count as a trip.
 bool chip_pwm_tripped(void);
 /// Clears what chip_pwm_tripped() reads. The outputs stay off.

@@ -9,6 +9,7 @@
 
 static const uint32_t pwm[CHIP_PHASES] = VARIANT_PWM;
 static uint16_t steps;
+static uint16_t written[CHIP_PHASES]; // compare values
 
 #define LOADED (VARIANT_DOUBLE_UPDATE ? CMPCTL_AT_ZERO_AND_PERIOD : CMPCTL_AT_ZERO)
 #define TRIGGERED (VARIANT_DOUBLE_UPDATE ? ETSEL_SOCA_AT_ZERO_AND_PERIOD : ETSEL_SOCA_AT_ZERO)
@@ -144,7 +145,16 @@ LODE_RAMFUNC bool chip_pwm_counts_down(void) {
 }
 
 LODE_RAMFUNC void chip_pwm_write(lode_abc_t duty) {
-    reg_write16(EPWM(pwm[0]) + EPWM_CMPA, ti_compare(duty.a, steps, VARIANT_DOUBLE_UPDATE));
-    reg_write16(EPWM(pwm[1]) + EPWM_CMPA, ti_compare(duty.b, steps, VARIANT_DOUBLE_UPDATE));
-    reg_write16(EPWM(pwm[2]) + EPWM_CMPA, ti_compare(duty.c, steps, VARIANT_DOUBLE_UPDATE));
+    written[0] = ti_compare(duty.a, steps, VARIANT_DOUBLE_UPDATE);
+    written[1] = ti_compare(duty.b, steps, VARIANT_DOUBLE_UPDATE);
+    written[2] = ti_compare(duty.c, steps, VARIANT_DOUBLE_UPDATE);
+    reg_write16(EPWM(pwm[0]) + EPWM_CMPA, written[0]);
+    reg_write16(EPWM(pwm[1]) + EPWM_CMPA, written[1]);
+    reg_write16(EPWM(pwm[2]) + EPWM_CMPA, written[2]);
+}
+
+LODE_RAMFUNC bool chip_pwm_holds(void) {
+    return reg_read16(EPWM(pwm[0]) + EPWM_CMPA) == written[0] &&
+           reg_read16(EPWM(pwm[1]) + EPWM_CMPA) == written[1] &&
+           reg_read16(EPWM(pwm[2]) + EPWM_CMPA) == written[2];
 }

@@ -12,6 +12,7 @@
 
 static const uint32_t pwm[CHIP_PHASES] = VARIANT_PWM;
 static uint16_t steps;
+static uint16_t written[CHIP_PHASES]; // compare values
 
 #define LOADED                                                                                     \
     (VARIANT_DOUBLE_UPDATE ? EPWM_COMP_LOAD_ON_CNTR_ZERO_PERIOD : EPWM_COMP_LOAD_ON_CNTR_ZERO)
@@ -145,10 +146,16 @@ LODE_RAMFUNC bool chip_pwm_counts_down(void) {
 }
 
 LODE_RAMFUNC void chip_pwm_write(lode_abc_t duty) {
-    EPWM_setCounterCompareValue(pwm[0], EPWM_COUNTER_COMPARE_A,
-                                ti_compare(duty.a, steps, VARIANT_DOUBLE_UPDATE));
-    EPWM_setCounterCompareValue(pwm[1], EPWM_COUNTER_COMPARE_A,
-                                ti_compare(duty.b, steps, VARIANT_DOUBLE_UPDATE));
-    EPWM_setCounterCompareValue(pwm[2], EPWM_COUNTER_COMPARE_A,
-                                ti_compare(duty.c, steps, VARIANT_DOUBLE_UPDATE));
+    written[0] = ti_compare(duty.a, steps, VARIANT_DOUBLE_UPDATE);
+    written[1] = ti_compare(duty.b, steps, VARIANT_DOUBLE_UPDATE);
+    written[2] = ti_compare(duty.c, steps, VARIANT_DOUBLE_UPDATE);
+    EPWM_setCounterCompareValue(pwm[0], EPWM_COUNTER_COMPARE_A, written[0]);
+    EPWM_setCounterCompareValue(pwm[1], EPWM_COUNTER_COMPARE_A, written[1]);
+    EPWM_setCounterCompareValue(pwm[2], EPWM_COUNTER_COMPARE_A, written[2]);
+}
+
+LODE_RAMFUNC bool chip_pwm_holds(void) {
+    return EPWM_getCounterCompareValue(pwm[0], EPWM_COUNTER_COMPARE_A) == written[0] &&
+           EPWM_getCounterCompareValue(pwm[1], EPWM_COUNTER_COMPARE_A) == written[1] &&
+           EPWM_getCounterCompareValue(pwm[2], EPWM_COUNTER_COMPARE_A) == written[2];
 }

@@ -1,5 +1,6 @@
 /// What every port shows of one call or two in a period. Included once, by the test of a chip, behind its fake; that test
-/// has next_turn(), to the next turning point of its timer, next_call() and TRIP_A.
+/// has next_turn(), to the next turning point of its timer, next_call(), change_compare(), which changes the lowest
+/// bit of the compare register of phase 0 .. 2, and TRIP_A.
 #ifndef CALLS_CASES_H
 #define CALLS_CASES_H
 
@@ -41,6 +42,21 @@ static void test_sample_at_the_wrong_end_is_a_trip(void) {
             next_call();
             TEST_ASSERT_FALSE(trip_now()); // in step again, now in the other half
         }
+    }
+}
+
+// A register that does not take a value, or that something else writes.
+static void test_compare_value_that_does_not_stay_is_a_trip(void) {
+    TEST_ASSERT_TRUE(board_init(TRIP_A));
+    board_start();
+    TEST_ASSERT_FALSE(trip_in_next_call());
+    for (int x = 0; x < 3; x++) {
+        board_write(&(lode_drive_out_t){.duty = duty_of_call[2], .gates = LODE_GATES_ON});
+        TEST_ASSERT_FALSE(trip_in_next_call());
+        change_compare(x);
+        TEST_ASSERT_TRUE(trip_in_next_call());
+        board_write(&(lode_drive_out_t){.duty = duty_of_call[3], .gates = LODE_GATES_OFF});
+        TEST_ASSERT_FALSE(trip_in_next_call());
     }
 }
 

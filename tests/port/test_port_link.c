@@ -259,6 +259,23 @@ static void test_missed_trigger_is_a_trip_and_begins_anew(void) {
     TEST_ASSERT_FALSE(seen.trip);
 }
 
+// The rising edges that the DMA has written are not those of the plan.
+static void test_edges_that_do_not_come_in_are_a_trip(void) {
+    const double i_A[3] = {5.0, -3.2, -1.8};
+    wanted = (lode_drive_out_t){.duty = {0.7f, 0.5f, 0.3f}, .gates = LODE_GATES_ON};
+    volatile uint32_t *const compare[3] = {&TIM1->CCR1, &TIM1->CCR2, &TIM1->CCR3};
+    ADC1->ISR |= ADC_ISR_JEOS; // as if triggered: the first period has had no DMA
+    for (int x = 0; x < 3; x++) {
+        (void)one_period(i_A);
+        TEST_ASSERT_FALSE(seen.trip);
+        (void)one_period(i_A);
+        TEST_ASSERT_FALSE(seen.trip);
+        *compare[x] ^= 1u;
+        (void)one_period(i_A);
+        TEST_ASSERT_TRUE(seen.trip);
+    }
+}
+
 static void test_low_sides_alone_and_off(void) {
     const double none[3] = {0.0, 0.0, 0.0};
     wanted = (lode_drive_out_t){.duty = {0.8f, 0.8f, 0.8f}, .gates = LODE_GATES_LOW};
@@ -295,6 +312,7 @@ int main(void) {
     RUN_TEST(test_currents_at_every_angle);
     RUN_TEST(test_blind_sector);
     RUN_TEST(test_missed_trigger_is_a_trip_and_begins_anew);
+    RUN_TEST(test_edges_that_do_not_come_in_are_a_trip);
     RUN_TEST(test_low_sides_alone_and_off);
     RUN_TEST(test_window_that_does_not_fit_is_a_failed_init);
     return UNITY_END();

@@ -175,6 +175,18 @@ static void test_duties_become_compare_values(void) {
     }
 }
 
+static void test_compare_value_that_does_not_stay_is_a_trip(void) {
+    up();
+    for (uint32_t n = 0u; n < 3u; n++) {
+        board_write(&(lode_drive_out_t){.duty = {0.9f, 0.1f, 0.3f}, .gates = LODE_GATES_ON});
+        TEST_ASSERT_FALSE(counts_now().trip);
+        fake_put(PWM_CC(n), fake_get(PWM_CC(n)) ^ 1u);
+        TEST_ASSERT_TRUE(counts_now().trip);
+        board_write(&(lode_drive_out_t){.duty = {0.2f, 0.8f, 0.7f}, .gates = LODE_GATES_OFF});
+        TEST_ASSERT_FALSE(counts_now().trip);
+    }
+}
+
 static void test_samples_come_in_their_order(void) {
     up();
     for (uint32_t period = 0u; period < 3u;
@@ -401,6 +413,7 @@ int main(void) {
     RUN_TEST(test_fault_at_power_up_is_a_failed_init);
     RUN_TEST(test_slices);
     RUN_TEST(test_duties_become_compare_values);
+    RUN_TEST(test_compare_value_that_does_not_stay_is_a_trip);
     RUN_TEST(test_samples_come_in_their_order);
     RUN_TEST(test_samples_are_brought_to_tk);
     RUN_TEST(test_missing_or_stale_samples_are_a_trip);

@@ -104,6 +104,11 @@ static void next_call(void) {
     }
 }
 
+static void change_compare(int x) {
+    volatile uint32_t *const compare[3] = {&TIM1->CCR1, &TIM1->CCR2, &TIM1->CCR3};
+    *compare[x] ^= 1u;
+}
+
 #include "calls_cases.h"
 
 // --- figures ---
@@ -1026,6 +1031,7 @@ int main(void) {
 #endif
     RUN_TEST(test_active_trip_at_power_up_is_a_failed_init);
     RUN_TEST(test_sample_at_the_wrong_end_is_a_trip);
+    RUN_TEST(test_compare_value_that_does_not_stay_is_a_trip);
     RUN_TEST(test_each_call_has_its_own_pulse);
     RUN_TEST(test_counts_come_from_the_right_registers);
     RUN_TEST(test_duties_become_compare_values);

@@ -342,6 +342,10 @@ static uint32_t compare_shadow(int x) {
     return fake_get(EPWM(x) + EPWM_CMPA);
 }
 
+static void change_compare(int x) {
+    fake_put(EPWM(x) + EPWM_CMPA, compare_shadow(x) ^ 1u);
+}
+
 static void one_period(void) {
     next_turn();
     if (!VARIANT_DOUBLE_UPDATE) {
@@ -498,6 +502,7 @@ int main(void) {
     RUN_TEST(test_gates_off_by_software_is_no_trip);
     RUN_TEST(test_active_trip_at_power_up_is_a_failed_init);
     RUN_TEST(test_sample_at_the_wrong_end_is_a_trip);
+    RUN_TEST(test_compare_value_that_does_not_stay_is_a_trip);
     RUN_TEST(test_each_call_has_its_own_pulse);
     RUN_TEST(test_counts_come_from_the_right_results);
     RUN_TEST(test_over_temperature_switches_off);

@@ -492,6 +492,10 @@ static uint32_t compare_shadow(int x) {
     return third("EPWM_setCounterCompareValue", pwm[x], EPWM_COUNTER_COMPARE_A);
 }
 
+static void change_compare(int x) {
+    EPWM_setCounterCompareValue(pwm[x], EPWM_COUNTER_COMPARE_A, (uint16_t)(compare_shadow(x) ^ 1u));
+}
+
 static void one_period(void) {
     next_turn();
     if (!VARIANT_DOUBLE_UPDATE) {
@@ -670,6 +674,7 @@ int main(void) {
     RUN_TEST(test_active_trip_at_power_up_is_a_failed_init);
     RUN_TEST(test_clearing_resets_the_driver_and_waits_for_it);
     RUN_TEST(test_sample_at_the_wrong_end_is_a_trip);
+    RUN_TEST(test_compare_value_that_does_not_stay_is_a_trip);
     RUN_TEST(test_each_call_has_its_own_pulse);
     RUN_TEST(test_counts_come_from_the_right_results);
 #ifdef VARIANT_NTC_POINTS

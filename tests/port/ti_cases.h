@@ -27,6 +27,7 @@ static bool counts_down;
 static bool is_triggered(void);
 static bool is_taken_over(int x);
 static uint32_t compare_shadow(int x);
+static void change_compare(int x);
 // The currents of the next period, with i_A in phase a.
 static void put_counts(float i_A);
 // One of the ways of a trip, on or off.

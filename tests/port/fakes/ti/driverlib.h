@@ -187,6 +187,7 @@ void EPWM_setTimeBaseCounterMode(uint32_t, EPWM_TimeBaseCountMode);
 void EPWM_setCounterCompareShadowLoadMode(uint32_t, EPWM_CounterCompareModule,
                                           EPWM_CounterCompareLoadMode);
 void EPWM_setCounterCompareValue(uint32_t, EPWM_CounterCompareModule, uint16_t);
+uint16_t EPWM_getCounterCompareValue(uint32_t, EPWM_CounterCompareModule);
 void EPWM_setActionQualifierAction(uint32_t, EPWM_ActionQualifierOutputModule,
                                    EPWM_ActionQualifierOutput, EPWM_ActionQualifierOutputEvent);
 void EPWM_setDeadBandCounterClock(uint32_t, EPWM_DeadBandClockMode);

@@ -243,6 +243,12 @@ uint16_t EPWM_getOneShotTripZoneFlagStatus(uint32_t base) {
     return zone_of(base)->latches;
 }
 
+// Read, the register shows its shadow.
+uint16_t EPWM_getCounterCompareValue(uint32_t base, EPWM_CounterCompareModule module) {
+    const int last = fake_last("EPWM_setCounterCompareValue", base, module, FAKE_ANY);
+    return last < 0 ? 0u : (uint16_t)fake_arguments(last)[2];
+}
+
 uint16_t EPWM_getTimeBaseCounterDirection(uint32_t base) {
     (void)base;
     return fake.direction;
