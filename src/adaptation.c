@@ -381,7 +381,10 @@ static void follow_emf(lode_adaptation_machine_t *self, const lode_drive_t *driv
     self->Rs_share = lode_clamp(self->Rs_share + k_Rs * off, -RS_MAX, RS_MAX);
     self->variance_psi = lessened(self->variance_psi, k_psi, v_psi, s);
     self->variance_Rs = lessened(self->variance_Rs, k_Rs, v_Rs, s);
-    self->covariance += k_psi * k_Rs * s - k_psi * v_Rs - k_Rs * v_psi;
+    const float covariance = self->covariance + k_psi * k_Rs * s - k_psi * v_Rs - k_Rs * v_psi;
+    const float most =
+        lode_sqrt(self->variance_psi * self->variance_Rs); // beyond it only by rounding
+    self->covariance = lode_clamp(covariance, -most, most);
 }
 
 // The resistance that the start has measured is the present one.

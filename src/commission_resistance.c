@@ -76,6 +76,11 @@ static bool settled(lode_commission_t *self, float *u_V, float *i_A) {
     return self->calm >= CALM_WINDOWS;
 }
 
+static void give_up_current(lode_commission_t *self, float reached_A) {
+    self->reached_A = reached_A;
+    lode_commission_finish(self, LODE_COMMISSION_NO_CURRENT);
+}
+
 // The first direction: the voltage rises until the current is there, then turns to the holding axis.
 void lode_commission_across(lode_commission_t *self, lode_dq_t i_A) {
     lode_commission_vector_t *vector = &self->vector;
@@ -90,7 +95,7 @@ void lode_commission_across(lode_commission_t *self, lode_dq_t i_A) {
             self->level++;
             lode_commission_restart(self);
         } else if (vector->now_V > vector->most_V) {
-            lode_commission_finish(self, LODE_COMMISSION_NO_CURRENT);
+            give_up_current(self, length_A);
         } else {
             // it rises
         }
@@ -163,7 +168,7 @@ void lode_commission_move_level(lode_commission_t *self, lode_dq_t i_A) {
     vector->now_V += (vector->rises ? QUICKER : -QUICKER) * vector->slow_V;
     lode_commission_post_vector(self, LODE_MODE_VOLTAGE, vector->now_V, 0.0f);
     if (vector->now_V > vector->most_V) {
-        lode_commission_finish(self, LODE_COMMISSION_NO_CURRENT);
+        give_up_current(self, i_A.d);
     } else if (below != vector->rises) {
         lode_commission_enter(self, STAGE_ALONG);
     } else {

@@ -179,6 +179,7 @@ typedef struct {
     lode_commission_result_t result;
     float reached_rad_s; ///< MECHANICAL; after NO_START, if the motor turns: its speed
     float wanted_rad_s;  ///< MECHANICAL; the speed that it did not reach; 0: it did not start
+    float reached_A;     ///< after NO_CURRENT: the current that flowed instead of current_A
     // Internal from here on.
     lode_drive_config_t config;   ///< the given configuration with what has been measured
     lode_drive_config_t designed; ///< the same, completed

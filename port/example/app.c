@@ -14,6 +14,14 @@
 #include "motor.h"
 #endif
 
+// What commissioning measures besides the motor's data; optional in the header.
+#ifndef MOTOR_LQ_FALL_1_A
+#define MOTOR_LQ_FALL_1_A 0.0f
+#endif
+#ifndef MOTOR_DEAD_TIME_s // that acts; 0: the board's
+#define MOTOR_DEAD_TIME_s 0.0f
+#endif
+
 #ifndef APP_MODE
 #define APP_MODE APP_MODE_OFF
 #endif
@@ -47,7 +55,7 @@ static lode_drive_t drive;
 static volatile bringup_cycles_t cycles;
 static volatile bringup_window_t window;
 static volatile bool cycles_restart; // set by the thread, cleared by the interrupt
-static volatile bool measures;       // set by the thread: the interrupt calls measure_step()
+static volatile bool commissions;    // set by the thread: the interrupt calls measure_step()
 
 // Variables of the thread.
 static lode_drive_tuning_t tuning[2]; // the second one is for commissioning
@@ -91,7 +99,7 @@ LODE_RAMFUNC void app_period(void) {
     lode_counts_t counts;
     board_read(&counts);
     const lode_drive_out_t out =
-        measures ? measure_step(&counts) : lode_drive_step(&drive, &counts);
+        commissions ? measure_step(&counts) : lode_drive_step(&drive, &counts);
     board_write(&out);
 
     record_period(&drive);
@@ -125,7 +133,7 @@ static lode_status_t init_drive(void) {
 bool app_start(void) {
     board_gates_off();
     started = false;
-    measures = false;
+    commissions = false;
     app_armed = 0u;
     mode_now = APP_MODE_OFF;
     mode_waiting = APP_MODE_OFF;
@@ -139,6 +147,10 @@ bool app_start(void) {
     given = (lode_drive_config_t){.f_pwm_Hz = 0.0f};
     board_describe(&given);
     given.motor = motor_data();
+    given.references.Lq_fall = MOTOR_LQ_FALL_1_A;
+    if (MOTOR_DEAD_TIME_s > 0.0f) {
+        given.inverter.dead_time_s = MOTOR_DEAD_TIME_s;
+    }
     if (APP_V_BUS_V > 0.0f && APP_V_BUS_V < given.inverter.v_bus_V) {
         given.inverter.v_bus_V = APP_V_BUS_V; // the guard's limits are shares of it
         report_event("START", "LOW_BUS", (uint32_t)APP_V_BUS_V);
@@ -211,10 +223,12 @@ static void forget_restarts(const lode_telemetry_t *now) {
 }
 
 static void begin_commissioning(void) {
-    measures = true; // gates off until it has begun
+    commissions = true; // gates off until it has begun
     LODE_SIGNAL_FENCE();
     bringup.result = (bringup_result_t){.mode = APP_MODE_COMMISSION};
-    (void)measure_begin(&drive, tuning, &given); // its result says why not
+    const bool begun = measure_begin(&drive, tuning, &given); // its result says why not
+    LODE_SIGNAL_FENCE();
+    commissions = begun; // otherwise the drive is as it was
 }
 
 // The drive begins anew, with what has been measured.
@@ -226,11 +240,11 @@ static void end_commissioning(void) {
     }
     status = init_drive();
     LODE_SIGNAL_FENCE();
-    measures = false;
+    commissions = false;
 }
 
 static void begin_mode(uint32_t mode, const lode_telemetry_t *now) {
-    if (measures) {
+    if (commissions) {
         end_commissioning();
     }
     mode_now = mode;

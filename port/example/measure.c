@@ -7,7 +7,7 @@
 
 static const lode_drive_out_t off = {{0.0f, 0.0f, 0.0f}, LODE_GATES_OFF};
 
-#ifndef LODE_WITHOUT_COMMISSIONING
+#if !defined LODE_WITHOUT_COMMISSIONING && !defined APP_WITHOUT_COMMISSIONING
 
 // The lines of the motor file, in the tool's units.
 typedef struct {
@@ -35,9 +35,9 @@ enum { ROWS = sizeof rows / sizeof rows[0] };
 
 static lode_commission_t commission;
 static volatile bool ready; // set by the thread: the interrupt uses `commission`
-static uint32_t sent;       // rows
+static uint32_t rows_sent;
 static bool section_sent;
-static bool told; // why it has failed
+static bool ended; // the result has been looked at
 
 lode_drive_out_t measure_step(const lode_counts_t *counts) {
     return ready ? lode_commission_step(&commission, counts) : off;
@@ -46,9 +46,9 @@ lode_drive_out_t measure_step(const lode_counts_t *counts) {
 bool measure_begin(lode_drive_t *drive, lode_drive_tuning_t tuning[2],
                    const lode_drive_config_t *given) {
     measure_end();
-    sent = 0u;
+    rows_sent = 0u;
     section_sent = false;
-    told = false;
+    ended = false;
     const lode_status_t status = lode_commission_init(&commission, drive, tuning, given);
     if (status != LODE_OK) {
         commission = (lode_commission_t){.result = LODE_COMMISSION_REFUSED, .status = status};
@@ -77,10 +77,11 @@ static void send_row(const row_t *row) {
     }
     const char *config = (const char *)measure_config();
     const float *value = (const float *)(const void *)(config + row->field);
-    const bool known = row->quantity == LODE_COMMISSION_QUANTITIES;
-    report_setting(row->key, *value, known ? 1.0f : commission.found[row->quantity].confidence);
+    const bool given = row->quantity == LODE_COMMISSION_QUANTITIES;
+    report_setting(row->key, *value,
+                   given ? REPORT_GIVEN : commission.found[row->quantity].confidence);
     section_sent = false;
-    sent++;
+    rows_sent++;
 }
 
 static bringup_result_t failed(bringup_reason_t reason, float measured, float limit) {
@@ -108,7 +109,7 @@ static bringup_result_t result_now(void) {
         return failed(BRINGUP_UNSURE, counted ? commission.found[quantity].confidence : 0.0f,
                       LODE_COMMISSION_SURE);
     case LODE_COMMISSION_NO_CURRENT:
-        return failed(BRINGUP_NO_CURRENT, 0.0f, commission.current_A);
+        return failed(BRINGUP_NO_CURRENT, commission.reached_A, commission.current_A);
     case LODE_COMMISSION_UNSETTLED:
         return failed(BRINGUP_UNSETTLED, 0.0f, 0.0f);
     case LODE_COMMISSION_REFUSED:
@@ -125,12 +126,24 @@ static bringup_result_t result_now(void) {
     }
 }
 
+// The library has checked what was measured at standstill; here the drive says whether it takes all of it.
+static void check_whole(void) {
+    lode_drive_tuning_t *unused =
+        &commission.tuning[commission.drive->tuning == &commission.tuning[0] ? 1 : 0];
+    commission.designed = commission.config;
+    lode_drive_design(&commission.designed);
+    commission.status = lode_drive_tune(unused, &commission.designed);
+    if (commission.status != LODE_OK) {
+        commission.result = LODE_COMMISSION_REFUSED;
+    }
+}
+
 static void tell_why(void) {
-    told = true;
     if (commission.result == LODE_COMMISSION_UNSURE) {
         report_event("UNSURE", lode_commission_name(commission.quantity),
                      (uint32_t)commission.quantity);
-    } else if (commission.result == LODE_COMMISSION_NO_START) {
+    } else if (commission.result == LODE_COMMISSION_NO_START &&
+               !lode_guard_is_good(&commission.drive->guard)) {
         const uint32_t check = commission.drive->guard.fault.check;
         report_event("NO_START", lode_check_name((lode_check_t)check), check);
     } else if (commission.result == LODE_COMMISSION_REFUSED) {
@@ -142,11 +155,16 @@ bringup_result_t measure_poll(void) {
     if (ready) {
         (void)lode_commission_work(&commission);
     }
-    if (!told && commission.result != LODE_COMMISSION_RUNNING) {
+    if (!ended && commission.result != LODE_COMMISSION_RUNNING) {
+        ended = true;
+        if (commission.result == LODE_COMMISSION_DONE) {
+            check_whole();
+        }
         tell_why();
     }
-    if (commission.result == LODE_COMMISSION_DONE && sent < (uint32_t)ROWS && report_is_sent()) {
-        send_row(&rows[sent]);
+    if (commission.result == LODE_COMMISSION_DONE && rows_sent < (uint32_t)ROWS &&
+        report_is_sent()) {
+        send_row(&rows[rows_sent]);
     }
     return result_now();
 }

@@ -1,7 +1,7 @@
 /// The mode "commission": the drive measures motor and inverter by itself (lodestar/commission.h), and the values go over the
 /// serial port as the lines of a motor file, for `lodestar design --motor F.ini`:
 ///     Rs_Ohm = 7.4934e-01 ; confidence 1.000
-/// A value with a confidence below LODE_COMMISSION_SURE is the given one.
+/// A value with a confidence below LODE_COMMISSION_SURE is the given one; pole pairs cannot be measured: "; given".
 #ifndef LODESTAR_PORT_MEASURE_H
 #define LODESTAR_PORT_MEASURE_H
 

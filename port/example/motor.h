@@ -18,6 +18,10 @@ static inline lode_motor_t motor_data(void) {
     };
 }
 
+/// Optional, from commissioning: how Lq falls with the current, 1/A, and the dead time that acts, in place of the board's.
+// #define MOTOR_LQ_FALL_1_A 0.02f
+// #define MOTOR_DEAD_TIME_s 0.5e-6f
+
 /// Largest amplitude of the phase current; the board's own limit applies if it is lower.
 #define MOTOR_I_MAX_A 5.0f
 /// Speed that the modes "run" and the application command at first, mechanical.

@@ -108,8 +108,12 @@ void report_setting(const char *key, float value, float confidence) {
     put_text(key);
     put_text(" = ");
     put_scientific(value);
-    put_text(" ; confidence ");
-    put_float(confidence);
+    if (confidence < 0.0f) {
+        put_text(" ; given");
+    } else {
+        put_text(" ; confidence ");
+        put_float(confidence);
+    }
     put_text("\r\n");
 }
 

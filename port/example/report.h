@@ -16,7 +16,9 @@ bool report_is_sent(void);
 /// A line "text". Thread, if report_is_sent().
 void report_line(const char *text);
 
-/// A line "key = value ; confidence 0.99". Thread, if report_is_sent().
+#define REPORT_GIVEN (-1.0f) ///< in place of a confidence
+
+/// A line "key = value ; confidence 0.990", or "key = value ; given". Thread, if report_is_sent().
 void report_setting(const char *key, float value, float confidence);
 
 /// Thread, once per pass.

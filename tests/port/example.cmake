@@ -8,6 +8,8 @@ if(TARGET lodestar_rig)
   target_compile_definitions(test_port_bringup_double PRIVATE APP_RESTARTS=3u DOUBLE_UPDATE=true)
   lode_port_test(test_port_low_bus "${CMAKE_CURRENT_SOURCE_DIR}/test_port_bringup.c" ${application})
   target_compile_definitions(test_port_low_bus PRIVATE APP_V_BUS_V=10.0f)
+  lode_port_test(test_port_bringup_plain "${CMAKE_CURRENT_SOURCE_DIR}/test_port_bringup.c" ${application})
+  target_compile_definitions(test_port_bringup_plain PRIVATE APP_RESTARTS=3u APP_WITHOUT_COMMISSIONING)
 endif()
 lode_port_test(test_port_kept "${CMAKE_CURRENT_SOURCE_DIR}/test_port_kept.c")
 lode_port_test(test_port_template "${CMAKE_CURRENT_SOURCE_DIR}/test_port_template.c" ${application}

@@ -51,6 +51,8 @@ typedef struct {
     double unknown_s;   ///< more of it, not configured
     double r_on_Ohm;
     double precharge_s;
+    lode_pll_config_t pll; ///< given, not designed
+    lode_speed_config_t speed;
 } mistakes_t;
 
 static const mistakes_t sound = {.channel = {0, 1, 2},
@@ -95,6 +97,8 @@ void board_describe(lode_drive_config_t *config) {
         config->sense.duty_max = 1.0f;
     }
     config->guard.stamp_per_period = (float)CYCLES_PER_PERIOD;
+    config->estimator.pll = with.pll;
+    config->speed = with.speed;
 }
 
 bool board_reset_by_watchdog(void) {
@@ -322,6 +326,8 @@ static void test_steps_pass_before_a_fast_thread(void) {
     }
 }
 
+#ifndef APP_WITHOUT_COMMISSIONING
+
 // The text that the board has sent has this line, with a number after it; what is that?
 static double sent_value(const char *key) {
     const char *line = strstr(sent, key);
@@ -344,7 +350,7 @@ static void test_commissioning_measures_and_is_used(void) {
     TEST_ASSERT_FALSE(gates);
     sent[sent_length] = '\0';
     TEST_ASSERT_NOT_NULL(strstr(sent, "9 PASS"));
-    TEST_ASSERT_NOT_NULL(strstr(sent, "[motor]\r\npole_pairs = 4.0000e+00 ;"));
+    TEST_ASSERT_NOT_NULL(strstr(sent, "[motor]\r\npole_pairs = 4.0000e+00 ; given\r\n"));
     CHECK_CLOSE(0.02, config.Rs_Ohm, sent_value("Rs_Ohm"));
     CHECK_CLOSE(0.05, config.Ld_H, sent_value("Ld_H"));
     CHECK_CLOSE(0.05, config.Lq_H, sent_value("Lq_H"));
@@ -382,6 +388,63 @@ static void test_commissioning_names_what_is_wrong(void) {
     power_up(&sound, held);
     expect(bring_up(APP_MODE_COMMISSION, 60.0), BRINGUP_NO_START, -1);
 }
+
+// Gains that the motor of the header just takes, and a lighter rotor does not.
+static void test_commissioning_whose_values_are_refused(void) {
+    power_up(&sound, plant_of_motor());
+    lode_drive_config_t config = {.f_pwm_Hz = 0.0f};
+    board_describe(&config);
+    config.motor = motor_data();
+    lode_drive_design(&config);
+    mistakes_t m = sound;
+    m.pll = config.estimator.pll;
+    lode_drive_tuning_t tuning;
+    while (lode_drive_tune(&tuning, &config) == LODE_OK) {
+        m.speed = (lode_speed_config_t){.kp_Nms = config.speed.kp_Nms,
+                                        .bandwidth_rad_s = config.speed.bandwidth_rad_s};
+        config.speed.kp_Nms *= 1.02f;
+    }
+    plant_config_t lighter = plant_of_motor();
+    lighter.J_kgm2 *= 0.9;
+    power_up(&m, lighter);
+    expect(bring_up(APP_MODE_COMMISSION, 20.0), BRINGUP_REFUSED, -1);
+    run_for(0.1);
+    sent[sent_length] = '\0';
+    TEST_ASSERT_NOT_NULL(strstr(sent, "REFUSED LODE_ERROR_SPEED_BANDWIDTH "));
+    TEST_ASSERT_NOT_NULL(strstr(sent, "9 FAIL REFUSED"));
+    TEST_ASSERT_NULL(strstr(sent, "[motor]"));
+    expect(bring_up(BRINGUP_START, 20.0), BRINGUP_OK, -1); // as if it had not been
+    CHECK_CLOSE(1e-6, motor_data().J_kgm2, app_motor().J_kgm2);
+}
+
+// A current cannot flow once the rest of the checks has passed, or the supply is gone.
+static void test_commissioning_without_enough_voltage(void) {
+    mistakes_t m = sound;
+    plant_config_t config = plant_of_motor();
+    config.Rs_Ohm *= 20.0;
+    power_up(&m, config);
+    const bringup_result_t result = bring_up(APP_MODE_COMMISSION, 20.0);
+    expect(result, BRINGUP_NO_CURRENT, -1);
+    TEST_ASSERT_TRUE(result.measured > 0.02f * result.limit);
+    TEST_ASSERT_TRUE(result.measured < result.limit);
+}
+
+#else
+
+// In its place: the mode says so, the watchdog is fed, and the other modes are as ever.
+static void test_commissioning_that_is_left_out(void) {
+    power_up(&sound, plant_of_motor());
+    expect(bring_up(APP_MODE_COMMISSION, 1.0), BRINGUP_REFUSED, -1);
+    const uint32_t fed = feeds;
+    run_for(0.1);
+    TEST_ASSERT_TRUE(feeds - fed > 200u);
+    TEST_ASSERT_FALSE(gates);
+    for (uint32_t mode = BRINGUP_SIGNS; mode <= (uint32_t)BRINGUP_CURRENT; mode++) {
+        expect(bring_up(mode, 20.0), BRINGUP_OK, -1);
+    }
+}
+
+#endif
 
 static bringup_result_t signs_of(const mistakes_t *m, double L_share) {
     plant_config_t config = plant_of_motor();
@@ -954,9 +1017,15 @@ int main(void) {
     RUN_TEST(test_sound_board_passes_every_step);
     RUN_TEST(test_bootstrap_capacitors_are_charged_first);
     RUN_TEST(test_steps_pass_before_a_fast_thread);
+#ifdef APP_WITHOUT_COMMISSIONING
+    RUN_TEST(test_commissioning_that_is_left_out);
+#else
     RUN_TEST(test_commissioning_measures_and_is_used);
     RUN_TEST(test_commissioning_ends_when_it_is_disarmed);
     RUN_TEST(test_commissioning_names_what_is_wrong);
+    RUN_TEST(test_commissioning_whose_values_are_refused);
+    RUN_TEST(test_commissioning_without_enough_voltage);
+#endif
     RUN_TEST(test_duties_that_act_early_or_late);
     RUN_TEST(test_one_leg_of_three_that_acts_late);
     RUN_TEST(test_duties_in_time_are_never_late);
