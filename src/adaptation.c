@@ -354,7 +354,7 @@ static float grown(float variance, float sigma, float share) {
 }
 
 // Below 0 only by rounding, where an observation leaves hardly any variance.
-static float lessened(float variance, float k, float v, float s) {
+static float variance_after(float variance, float k, float v, float s) {
     return lode_max(variance + k * (k * s - 2.0f * v), 0.0f);
 }
 
@@ -379,8 +379,8 @@ static void follow_emf(lode_adaptation_machine_t *self, const lode_drive_t *driv
     const float k_Rs = self->adapts_Rs ? v_Rs / s : 0.0f;
     self->psi_share = lode_clamp(self->psi_share + k_psi * off, -PSI_MAX, PSI_MAX);
     self->Rs_share = lode_clamp(self->Rs_share + k_Rs * off, -RS_MAX, RS_MAX);
-    self->variance_psi = lessened(self->variance_psi, k_psi, v_psi, s);
-    self->variance_Rs = lessened(self->variance_Rs, k_Rs, v_Rs, s);
+    self->variance_psi = variance_after(self->variance_psi, k_psi, v_psi, s);
+    self->variance_Rs = variance_after(self->variance_Rs, k_Rs, v_Rs, s);
     const float covariance = self->covariance + k_psi * k_Rs * s - k_psi * v_Rs - k_Rs * v_psi;
     const float most =
         lode_sqrt(self->variance_psi * self->variance_Rs); // beyond it only by rounding

@@ -230,10 +230,10 @@ LODE_INLINE bool lode_drive_watch_frozen(lode_drive_t *self, const lode_drive_tu
 // Input of the guard's slow checks. With injection either direction is right.
 LODE_INLINE lode_condition_t lode_drive_condition(const lode_drive_t *self) {
     const float omega = self->estimator.pll.omega_rad_s;
-    const bool any_way = lode_estimator_injects(&self->estimator);
+    const bool either_way = lode_estimator_injects(&self->estimator);
     return (lode_condition_t){self->inverter.v_bus_V,
                               lode_sense_temperature_degC(&self->tuning->sense, self->temperature),
-                              any_way ? lode_abs(omega) : self->direction * omega,
+                              either_way ? lode_abs(omega) : self->direction * omega,
                               self->estimator.lock};
 }
 

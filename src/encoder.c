@@ -23,7 +23,7 @@
 #define POLE_FAR 0.414f
 // Of a count: an edge that is less off is near. Real edges are a tenth off.
 #define NEAR_SHARE 0.25f
-// Of the speed from which the EMF checks the sensor, for coarse counts: without a bias in id (K10) dead time is a larger part of
+// Times the speed from which the EMF checks the sensor, for coarse counts: without a bias in id (K10) dead time is a larger part of
 // the voltage.
 #define CHECK_COARSE 1.5f
 // Largest load over the largest torque of the drive.

@@ -1006,6 +1006,22 @@ static void test_either_direction_is_right(void) {
     TEST_ASSERT_EQUAL_FLOAT(-0.1f, lode_drive_condition(&drive).omega_rad_s);
 }
 
+/// A load a little beyond all the torque that turns a held rotor, with the wave first and with the EMF then.
+static void test_a_load_that_turns_a_held_rotor(void) {
+    static const float speeds[] = {0.0f, 1.0f};
+    const double most_Nm = 0.66 * 12.0; // at i_max
+    for (int k = 0; k < 4; k++) {
+        static rig_t rig;
+        rig_at_rest(&rig, 1.0, 0.05, speeds[k / 2]);
+        rig_run(&rig, 0.5);
+        rig_expect(&rig, LODE_MODE_RUN);
+        rig.pull_Nm = (k % 2 == 0 ? 1.1 : -1.1) * most_Nm;
+        rig_run(&rig, 1.0);
+        TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OVERLOAD",
+                                 lode_check_name(rig_telemetry(&rig).fault.check));
+    }
+}
+
 /// (K41): a rotor that is lost because a phase is open is not looked for.
 static void test_a_loss_by_an_open_phase_trips(void) {
     static rig_t rig;
@@ -1770,6 +1786,7 @@ int main(void) {
     RUN_TEST(test_a_rotor_that_is_lost_soon_is_found_again);
     RUN_TEST(test_a_rotor_that_is_lost_hides_no_fault);
     RUN_TEST(test_either_direction_is_right);
+    RUN_TEST(test_a_load_that_turns_a_held_rotor);
     RUN_TEST(test_a_loss_by_an_open_phase_trips);
     RUN_TEST(test_a_wave_that_an_open_phase_does_not_let_pass);
     RUN_TEST(test_a_loss_at_speed_trips);

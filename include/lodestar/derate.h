@@ -37,7 +37,7 @@ typedef struct {
 
 typedef struct {
     float heat; ///< temperature rise of the winding (D1); 1: that of i_continuous_A
-    float rest; ///< of it, less than its last digit (K35)
+    float rest; ///< of it, less than its last digit: lode_add_small()
 } lode_derate_t;
 
 /// Checks `config` and derives the tuning. Errors: NULL, DERATE; `tuning` is then left alone.

@@ -91,7 +91,7 @@ static bool refuse(const fault_bench_t *self, fault_point_t point) {
     return false;
 }
 
-/// Share of the torque of i_max. In field weakening the power is that of the base speed, as far as a share is given;
+/// Share of the torque of i_max. In field weakening the power is that of the base speed, if a share is given;
 /// otherwise it is small there, and where the EMF is low.
 static double load_of(const fault_bench_t *self, fault_point_t point) {
     const bool weak = point == FAULT_AT_WEAKENING;

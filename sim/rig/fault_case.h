@@ -22,7 +22,7 @@ extern const char *const fault_point_name[FAULT_POINTS];
 typedef struct {
     rig_config_t config;
     plant_config_t plant;
-    double load_share; ///< of the torque of i_max, for all states in RUN; NaN: the default
+    double load_share; ///< of the torque of i_max in RUN up to the base speed; NaN: the default
     double full_rad_s; ///< mechanical, 100 %
     double base_rad_s; ///< mechanical
     double speed_rad_s[FAULT_POINTS]; ///< commanded when the fault begins; 0: below RUN

@@ -207,7 +207,8 @@ static uint32_t choose(pair_t *self, fuzz_t *in, uint8_t what, const lode_drive_
     } else if (what < 80u) {
         return 8u * (what - 64u);
     }
-    fuzz_also(in, what, &self->drive, &self->plant, &self->guide, &self->loop, self->tuning);
+    fuzz_choose_surroundings(in, what, &self->drive, &self->plant, &self->guide, &self->loop,
+                             self->tuning);
     return 0u;
 }
 

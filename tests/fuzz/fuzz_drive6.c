@@ -213,8 +213,8 @@ static uint32_t choose(pair_t *self, fuzz_t *in, uint8_t what, const lode_drive6
     } else if (what < 88u) {
         return 8u * (what - 72u);
     }
-    fuzz_also(in, what, &self->drive.drive, &self->plant, &self->guide, &self->loop,
-              &self->tuning->drive);
+    fuzz_choose_surroundings(in, what, &self->drive.drive, &self->plant, &self->guide, &self->loop,
+                             &self->tuning->drive);
     return 0u;
 }
 

@@ -138,6 +138,18 @@ def tells_starts_that_were_given_up(checks, folder):
     checks.equal(done.stdout.count(", given up "), given_up, "cells that tell it")
 
 
+def takes_another_load(checks, folder):
+    """Up to the base speed the current is that of the load; in field weakening the power is."""
+    arguments = ["--motors", "jiang2022", "--kinds", "none"]
+    peak = {load: {at: case["peak_A"] for (_, at), case in cases_of(folder, *arguments, "--load", load)[1].items()}
+            for load in ("0", "0.3", "0.6")}
+    for at in ("50 %", "100 %"):
+        checks.true(peak["0"][at] < 0.5 * peak["0.3"][at], f"{at}, no load: {peak}")
+        checks.at_most(abs(peak["0.6"][at] / peak["0.3"][at] - 2.0), 0.3, f"{at}: twice the load")
+    checks.true(peak["0.3"]["weakening"] < peak["0.6"]["weakening"], f"weakening: {peak}")
+    checks.equal(peak["0"]["start"], peak["0.6"]["start"], "no load in the start")
+
+
 def page(checks, folder):
     done = folder.run("faults", "--motors", "jiang2022", "--kinds", "none", "--out", "f.md")
     checks.equal(done.returncode, 0, "exit code")
@@ -174,6 +186,8 @@ def refuses(checks, folder):
                               for option, name in (("--motors", "jiang2022"), ("--kinds", "none"))
                               for names in ("", ",", f"{name},", f",{name}", f"{name},,{name}")),
                             (["--jobs", "0"], "--jobs 0: expected"),
+                            *((["--load", share], f"--load {share}: expected a share of the torque of i_max, 0 .. 0.9")
+                              for share in ("-0.1", "0.91", "1", "x", "0.5x", "nan", "")),
                             (["more"], "more: expected no argument here")]:
         refused(checks, folder, ["faults", *arguments, "--json", "no.json"], says)
 
@@ -189,6 +203,7 @@ with Folder() as folder:
     finds_a_stuck_temperature_where_it_may_be_looked_for(checks, folder)
     same_with_any_number_of_processes(checks, folder)
     leaves_out_where_the_speed_does_not_settle(checks, folder)
+    takes_another_load(checks, folder)
     page(checks, folder)
     takes_a_file_with_motor_and_drive(checks, folder)
     if FULL:

@@ -16,7 +16,7 @@ PASSED = 0.95 # of a few: the bar of wide errors
 
 
 def campaign(checks, folder, arguments, n):
-    done = folder.run("monte-carlo", *arguments.split(), "--n", n, "--json", "m.json", timeout=5400)
+    done = folder.run("monte-carlo", *arguments.split(), "--n", n, "--json", "m.json", timeout=10800)
     what = f"monte-carlo {arguments} --n {n}"
     print(f"{what}: {done.stdout[done.stdout.rindex('all  '):]}")
     rows = json.loads((folder.path / "m.json").read_text())["rows"]
