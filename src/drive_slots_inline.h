@@ -256,17 +256,17 @@ LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t 
 }
 
 // One slot; runs after the duties are made. `words`: the complete tuning, for the memory check; `tuning` is all of it or a
-// part. `i_A`: the controlled current, in stator axes.
+// part. `i_A`: the controlled current, in stator axes; by address, so that only its slot loads it (4 cycles a period).
 LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning_t *tuning,
-                                     lode_words_t words, const lode_sample_t *sample, lode_ab_t i_A,
-                                     uint16_t other, lode_slot_t slot) {
+                                     lode_words_t words, const lode_sample_t *sample,
+                                     const lode_ab_t *i_A, uint16_t other, lode_slot_t slot) {
     switch (slot) {
     case SLOT_LOCK:
         lode_estimator_note_lock(&self->estimator, &tuning->estimator);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
         lode_jump_note_noise(&self->jump);
 #endif
-        if (!lode_drive_watch_frozen(self, tuning, i_A)) {
+        if (!lode_drive_watch_frozen(self, tuning, *i_A)) {
             return false;
         }
         if (lode_mode(self) == LODE_MODE_RUN) {
