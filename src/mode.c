@@ -28,6 +28,7 @@ static void set_omitted(lode_drive_t *self) {
 // Gates off, no voltage pending.
 static LODE_SMALL_CALL void open_gates(lode_drive_t *self, lode_mode_t mode) {
     self->gates = false;
+    self->seeks = false;
     self->losses = 0u;
     lode_mode_set_duties(self, LODE_DUTY_IDLE);
     set_omitted(self);
@@ -225,6 +226,7 @@ void lode_mode_run_at_once(lode_drive_t *self) {
     begin_counts(self);
     lode_references_reset(&run->references, self->i_A.d);
     self->ref_A = (lode_dq_t){0.0f, 0.0f}; // until SLOT_REFERENCES
+    self->seeks = false;
     lode_mode_set(self, LODE_MODE_RUN);
 }
 
@@ -316,6 +318,7 @@ void lode_mode_hand_over(lode_drive_t *self) {
     lode_references_reset(&run->references, i_A.d);
     self->ref_A = i_A; // until SLOT_REFERENCES
     self->direction = lode_sign(omega);
+    self->seeks = false;
     lode_mode_set(self, LODE_MODE_RUN);
 }
 

@@ -46,11 +46,13 @@ static void find_again(lode_drive_t *self) {
     lode_start_begin(&self->state.start, &self->tuning->start);
     self->state.start.failed = self->losses;
     self->start_rounds = 0u;
+    self->seeks = true;
     lode_mode_set(self, LODE_MODE_START);
 }
 
 // Injection found no axis, or nothing shows the polarity. The EMF shows whether a load has come to turn the rotor; any other
-// one is started by the vector, from its first stage.
+// one is started by the vector, from its first stage. One that RUN has lost is not: it may be jammed, and the vector would pull
+// at it in every attempt of a start.
 static void give_up(lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const float emf_V = lode_sqrt(self->estimator.by.hfi.emf_V2);
@@ -72,7 +74,7 @@ static void give_up(lode_drive_t *self) {
     lode_estimator_restart(&self->estimator, &self->tuning->estimator);
     self->estimator.by.alone.step = (uint_least8_t)LODE_HFI_UNDECIDED;
     lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
-    if (lode_mode_is_stop(self)) { // a vector would turn the rotor
+    if (lode_mode_is_stop(self) || self->seeks) { // at a stop a vector would turn the rotor
         const lode_fault_t why = {.stage = self->state.start.stage,
                                   .criterion = (uint_least8_t)LODE_CRITERION_POLARITY,
                                   .measured = self->estimator.lock,

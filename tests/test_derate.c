@@ -126,6 +126,11 @@ static void test_what_is_no_number_counts_as_hot(void) {
     const lode_telemetry_t wild = at(NAN, 25.0f);
     CHECK_NEAR(1.0e-6, 0.5, (double)lode_derate_step(&derate, &tuning, &wild, 0.1f));
     TEST_ASSERT_TRUE(lode_is_finite(derate.heat));
+    derate.heat = -2.0f; // memory that has changed
+    CHECK_NEAR(1.0e-6, 1.0,
+               (double)lode_derate_step(&derate, &tuning,
+                                        &(lode_telemetry_t){.mode = LODE_MODE_OFF}, 1.0e-3f));
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, derate.heat);
     lode_derate_reset(&derate, NAN);
     TEST_ASSERT_EQUAL_FLOAT(0.0f, derate.heat);
     const lode_telemetry_t back = at(0.0f, 25.0f);

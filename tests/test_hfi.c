@@ -1158,6 +1158,28 @@ static void test_a_loss_at_speed_trips(void) {
     TEST_ASSERT_EQUAL_INT(0, rig.drive.losses);
 }
 
+/// A rotor that jams at speed is lost, and found at rest. Without a motion it does not show its polarity: the vector would pull
+/// at it in every attempt of a start.
+static void test_a_rotor_that_jams_at_speed_ends_the_search(void) {
+    static rig_t rig;
+    rig_running(&rig, LODE_PLL_LESO);
+    rig_ask(&rig, 100.0f); // 300 rad/s; injection ends at 130
+    rig_run(&rig, 2.0);
+    rig_expect(&rig, LODE_MODE_RUN);
+    rig.motor.omega = 0.0;
+    rig.blocked = true;
+    double searched_s = 0.0;
+    for (int n = 0; n < 10000 && rig.drive.mode != LODE_MODE_FAULT; n++) {
+        rig_step(&rig);
+        searched_s += rig.drive.mode == LODE_MODE_START ? RIG_TS_s : 0.0;
+    }
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_START", lode_check_name(rig_telemetry(&rig).fault.check));
+    TEST_ASSERT_EQUAL_INT(LODE_CRITERION_POLARITY, rig_telemetry(&rig).fault.criterion);
+    CHECK_AT_LEAST(0.1, searched_s);
+    CHECK_AT_MOST(1.0, searched_s);
+    TEST_ASSERT_FALSE(rig.drive.seeks); // the next start is a whole one again
+}
+
 /// A load that comes to turn the rotor while its axis is searched for: it is caught by its EMF.
 static void test_a_rotor_that_begins_to_turn_is_caught(void) {
     for (int k = -1; k <= 1; k += 2) {
@@ -1790,6 +1812,7 @@ int main(void) {
     RUN_TEST(test_a_loss_by_an_open_phase_trips);
     RUN_TEST(test_a_wave_that_an_open_phase_does_not_let_pass);
     RUN_TEST(test_a_loss_at_speed_trips);
+    RUN_TEST(test_a_rotor_that_jams_at_speed_ends_the_search);
     RUN_TEST(test_a_rotor_that_begins_to_turn_is_caught);
     RUN_TEST(test_a_rotor_that_is_never_caught_trips);
     RUN_TEST(test_a_loss_is_forgotten);
