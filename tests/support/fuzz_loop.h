@@ -113,9 +113,9 @@ static inline void fuzz_check_adapted(const lode_adapted_motor_t *found) {
 #define FUZZ_ALSO 192u
 
 /// Of the drive `drive`, which began with `tuning`.
-static inline void fuzz_also(fuzz_t *in, uint8_t what, lode_drive_t *drive, plant_t *plant,
-                             fuzz_guide_t *guide, fuzz_loop_t *loop,
-                             const lode_drive_tuning_t *tuning) {
+static inline void fuzz_choose_surroundings(fuzz_t *in, uint8_t what, lode_drive_t *drive,
+                                            plant_t *plant, fuzz_guide_t *guide, fuzz_loop_t *loop,
+                                            const lode_drive_tuning_t *tuning) {
     if (what < FUZZ_ALSO) {
         return;
     }
