@@ -28,7 +28,7 @@ void board_start(void);
 
 /// The samples of the start of this period. Interrupt, first call. Must not wait for a conversion: the
 /// interrupt comes when the last one is done. Reports as a trip what the board itself finds wrong: a break, a late
-/// interrupt, compare registers that do not hold what board_write() gave them.
+/// interrupt, compare registers that do not hold the values that board_write() wrote.
 void board_read(lode_counts_t *counts);
 
 /// Writes the compare values into the shadow registers, to act from the next period on; with LODE_GATES_OFF

@@ -447,14 +447,16 @@ LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *es
         lode_mode_fault(self, LODE_CHECK_NON_FINITE, 1.0f, 0.0f);
         return;
     }
-    // The observer's lag is known up to this speed, which is beyond that of OVER_SPEED by default.
+    // The observer's lag is known up to this speed, which is beyond that of OVER_SPEED by default. A sensor's count may be
+    // wrong for a moment: of that the guard decides.
     const float most = self->tuning->estimator.omega_limit;
-    if (lode_abs(estimate->omega_rad_s) > most) {
+    const bool told = estimate->source == LODE_ESTIMATE_EXTERNAL;
+    if (told && lode_abs(estimate->omega_rad_s) > most) {
         lode_mode_fault(self, LODE_CHECK_OVER_SPEED, self->direction * estimate->omega_rad_s, most);
         return;
     }
-    const float step_rad = self->tuning->estimator.pll.ts_s * estimate->omega_rad_s;
-    own->pll.omega_rad_s = estimate->omega_rad_s;
+    own->pll.omega_rad_s = lode_clamp(estimate->omega_rad_s, -most, most);
+    const float step_rad = self->tuning->estimator.pll.ts_s * own->pll.omega_rad_s;
     lode_estimator_forget_motion(own);
     lode_estimator_move_lag(own, &self->tuning->estimator, own->pll.omega_rad_s);
     own->pll.frame =

@@ -46,7 +46,6 @@ static void find_again(lode_drive_t *self) {
     lode_start_begin(&self->state.start, &self->tuning->start);
     self->state.start.failed = self->losses;
     self->start_rounds = 0u;
-    self->seeks = true;
     lode_mode_set(self, LODE_MODE_START);
 }
 
@@ -178,6 +177,7 @@ LODE_NOINLINE void lode_mode_find_lost(lode_drive_t *self) {
         lode_abs(self->estimator.pll.omega_rad_s) < LOST_SPEED * tuning->omega_high) {
         lode_guard_withdraw(&self->guard);
         find_again(self);
+        self->seeks = true;
     }
 }
 

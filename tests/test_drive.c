@@ -842,6 +842,23 @@ static void test_the_lock_of_an_external_estimate_counts(void) {
     }
 }
 
+/// A sensor's count that is wrong for a moment: the speed counts as the limit, and the guard counts.
+static void test_a_sensor_beyond_all_speed_counts_as_the_limit(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig_t rig = running(60.0, 3.0);
+        const lode_counts_t counts = rig_counts(&rig);
+        const lode_sample_t m = lode_drive_sense(&rig.drive, &counts);
+        lode_estimate_t e = lode_drive_estimate(&rig.drive, &m);
+        e.source = LODE_ESTIMATE_SENSOR;
+        e.omega_rad_s = 9.0e5f * (float)sign;
+        rig.out = lode_drive_act(&rig.drive, &m, &e);
+        const lode_telemetry_t t = rig_telemetry(&rig);
+        TEST_ASSERT_TRUE(rig.out.gates);
+        TEST_ASSERT_TRUE(lode_is_finite(t.emf_error_rad) && lode_is_finite(t.theta_rad));
+        CHECK_NEAR(1.0, (double)rig.drive.tuning->estimator.omega_limit * sign, t.omega_rad_s);
+    }
+}
+
 static void test_a_voltage_that_is_none_trips_in_the_same_call(void) {
     // With a bus that the host made up, the EMF of a speed that the bus does not allow asks for a voltage that is no duty.
     rig_t rig = running(60.0, 3.0);
@@ -1122,6 +1139,7 @@ int main(void) {
     RUN_TEST(test_an_estimate_that_is_taken_over_is_the_own_one);
     RUN_TEST(test_an_estimate_of_no_motor_trips);
     RUN_TEST(test_an_estimate_beyond_all_speed_trips_at_once);
+    RUN_TEST(test_a_sensor_beyond_all_speed_counts_as_the_limit);
     RUN_TEST(test_an_estimate_of_the_hosts_own_is_taken_over);
     RUN_TEST(test_the_lock_of_an_external_estimate_counts);
     RUN_TEST(test_a_voltage_that_is_none_trips_in_the_same_call);

@@ -941,8 +941,7 @@ static void test_a_rotor_that_is_lost_is_found_again(void) {
         rig_expect(&rig, LODE_MODE_START);
         TEST_ASSERT_EQUAL_INT(k, rig.drive.losses);
         TEST_ASSERT_EQUAL_INT(k, rig.drive.state.start.failed);
-        TEST_ASSERT_EQUAL_UINT32(
-            0u, rig.drive.start_rounds); // of the vector, which may follow, all of it is left
+        TEST_ASSERT_EQUAL_UINT32(0u, rig.drive.start_rounds); // as in a new start
         rig_run(&rig, 0.5);
         CHECK_AT_MOST(1.0 * CHECK_DEG, rig_worst(&rig, 0.1));
     }

@@ -388,8 +388,8 @@ typedef struct {
 void lode_drive_design(lode_drive_config_t *config);
 
 /// Completes a copy of `config`, checks every field and derives the tuning. Returns LODE_OK or the first field out
-/// of range (status.h); on any error `tuning` is left alone. Not for the interrupt: some 46 000 instructions and 1.7 KB of stack
-/// (Cortex-M4F, gcc 12.2).
+/// of range (status.h); on any error `tuning` is left alone. Not for the interrupt: some 46 000 instructions and
+/// 1.7 KB of stack (Cortex-M4F, gcc 12.2).
 lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_config_t *config);
 
 // Their names tell what is left out of the build (options.h).

@@ -37,7 +37,7 @@ static lode_commission_t commission;
 static volatile bool ready; // set by the thread: the interrupt uses `commission`
 static uint32_t rows_sent;
 static bool section_sent;
-static bool ended; // the result has been looked at
+static bool ended; // the thread has seen and checked the result
 
 lode_drive_out_t measure_step(const lode_counts_t *counts) {
     return ready ? lode_commission_step(&commission, counts) : off;
@@ -65,7 +65,8 @@ void measure_end(void) {
 }
 
 const lode_drive_config_t *measure_config(void) {
-    return commission.result == LODE_COMMISSION_DONE ? lode_commission_config(&commission) : NULL;
+    return ended && commission.result == LODE_COMMISSION_DONE ? lode_commission_config(&commission)
+                                                              : NULL;
 }
 
 // A line per pass.

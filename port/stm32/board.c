@@ -55,7 +55,7 @@ static inline bool currents_read(uint16_t count[3]) {
 }
 
 static inline bool duties_hold(void) {
-    return true; // chip_link_read() has checked it
+    return true; // chip_link_read() tells it
 }
 
 static inline void duties_write(const lode_drive_out_t *out) {

@@ -26,8 +26,8 @@ uint32_t chip_link_rise[3];
 static lode_single_shunt_t shunt;
 static lode_single_shunt_tuning_t tuning;
 static lode_single_shunt_plan_t plan; // for the next period
-static bool
-    complete; // both samples of the last period are there, and its edges were those of the plan
+// Both samples of the last period are there, and its edges were those of the plan.
+static bool complete;
 
 static uint32_t compare(float edge) {
     return (uint32_t)(int32_t)((1.0f - edge) * (float)REG_READ(TIM1->ARR) + 0.5f);

@@ -17,7 +17,7 @@ extern uint32_t chip_link_rise[3];
 bool chip_link_init(void);
 
 /// The phase currents at t_k as counts, from the two samples of the period that ends there. False: a sample is
-/// missing.
+/// missing, or the DMA has not written the rising edges of the plan.
 bool chip_link_read(uint16_t count[3]);
 
 /// Edges and triggers of the next period.

@@ -97,9 +97,12 @@ static void print_failure(FILE *file, const commission_run_t *run) {
         print_no_start(file, own);
         (void)fprintf(file, "while measuring %s\n", name);
         break;
+    case LODE_COMMISSION_NO_CURRENT:
+        (void)fprintf(file, "%.3g of %.3g A while measuring %s\n", (double)own->reached_A,
+                      (double)own->current_A, name);
+        break;
     case LODE_COMMISSION_RUNNING:
     case LODE_COMMISSION_DONE:
-    case LODE_COMMISSION_NO_CURRENT:
     case LODE_COMMISSION_UNSETTLED:
     default:
         (void)fprintf(file, "while measuring %s\n", name);

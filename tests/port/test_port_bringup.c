@@ -417,7 +417,7 @@ static void test_commissioning_whose_values_are_refused(void) {
     CHECK_CLOSE(1e-6, motor_data().J_kgm2, app_motor().J_kgm2);
 }
 
-// A current cannot flow once the rest of the checks has passed, or the supply is gone.
+// A winding with 20 times the resistance: the voltage reaches its limit first, and the current that flowed is told.
 static void test_commissioning_without_enough_voltage(void) {
     mistakes_t m = sound;
     plant_config_t config = plant_of_motor();
@@ -1006,6 +1006,11 @@ static void test_bring_up_at_a_lower_bus_voltage(void) {
         expect(bring_up(mode, 20.0), BRINGUP_OK, -1);
     }
     TEST_ASSERT_TRUE(was_sent("START LOW_BUS 10\r\n"));
+#ifdef MOTOR_LQ_FALL_1_A // what commissioning has measured, in the motor's header
+    const lode_drive_tuning_t *tuning = app_drive()->tuning;
+    CHECK_CLOSE(1e-6, (double)MOTOR_LQ_FALL_1_A, (double)tuning->references.Lq_fall);
+    CHECK_CLOSE(1e-5, (double)MOTOR_DEAD_TIME_s * F_PWM, (double)tuning->inverter.dead_duty);
+#endif
 }
 
 int main(void) {

@@ -264,7 +264,7 @@ static void test_edges_that_do_not_come_in_are_a_trip(void) {
     const double i_A[3] = {5.0, -3.2, -1.8};
     wanted = (lode_drive_out_t){.duty = {0.7f, 0.5f, 0.3f}, .gates = LODE_GATES_ON};
     volatile uint32_t *const compare[3] = {&TIM1->CCR1, &TIM1->CCR2, &TIM1->CCR3};
-    ADC1->ISR |= ADC_ISR_JEOS; // as if triggered: the first period has had no DMA
+    ADC1->ISR |= ADC_ISR_JEOS; // the samples of the period before the first call
     for (int x = 0; x < 3; x++) {
         (void)one_period(i_A);
         TEST_ASSERT_FALSE(seen.trip);
