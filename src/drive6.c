@@ -537,8 +537,7 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
     if (slot == SLOT_REFERENCES) {
         watch_set2(self, &sample->set_2);
     }
-    const lode_ab_t i_A = {sample->machine.i_A.alpha, sample->machine.i_A.beta};
-    (void)lode_drive_slow_job(drive, drive->tuning, words_of(self->tuning), &sample->machine, &i_A,
+    (void)lode_drive_slow_job(drive, drive->tuning, words_of(self->tuning), &sample->machine,
                               sample->set_2.temperature, slot);
     if (!drive->gates) {
         name_phase(self);

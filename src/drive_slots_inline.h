@@ -216,15 +216,13 @@ LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t 
 }
 
 // Checks for a frozen current vector (K36).
-LODE_INLINE bool lode_drive_watch_frozen(lode_drive_t *self, const lode_drive_tuning_t *tuning,
-                                         lode_ab_t i_A) {
+LODE_INLINE bool lode_drive_watch_frozen(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
     (void)self;
     (void)tuning;
-    (void)i_A;
     return true;
 #else
-    return lode_frozen_moves(&self->frozen, &tuning->plausibility, i_A) ||
+    return lode_frozen_moves(&self->frozen, &tuning->plausibility, self->estimator.emf.i_A) ||
            lode_drive_doubt_frozen(self);
 #endif
 }
@@ -256,17 +254,17 @@ LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t 
 }
 
 // One slot; runs after the duties are made. `words`: the complete tuning, for the memory check; `tuning` is all of it or a
-// part. `i_A`: the controlled current, in stator axes; by address, so that only its slot loads it (4 cycles a period).
+// part.
 LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                      lode_words_t words, const lode_sample_t *sample,
-                                     const lode_ab_t *i_A, uint16_t other, lode_slot_t slot) {
+                                     uint16_t other, lode_slot_t slot) {
     switch (slot) {
     case SLOT_LOCK:
         lode_estimator_note_lock(&self->estimator, &tuning->estimator);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
         lode_jump_note_noise(&self->jump);
 #endif
-        if (!lode_drive_watch_frozen(self, tuning, *i_A)) {
+        if (!lode_drive_watch_frozen(self, tuning)) {
             return false;
         }
         if (lode_mode(self) == LODE_MODE_RUN) {

@@ -335,7 +335,7 @@ LODE_NOINLINE bool lode_drive_wait_jump(lode_drive_t *self) {
     const bool starts = lode_mode(self) == LODE_MODE_START;
     const float step_rad =
         lode_abs(self->estimator.pll.omega_rad_s) * self->tuning->estimator.pll.ts_s;
-    const bool gone = squared(self->i_A) < GONE * GONE * squared(self->ref_A);
+    const bool gone = lode_ab_length2(self->estimator.emf.i_A) < GONE * GONE * squared(self->ref_A);
     const float factor = lode_jump_wait(&self->jump, starts ? LODE_TWO_PI : step_rad, gone);
     LODE_SHARED_STORE(self->steady, false); // until it is over
     if (factor > 0.0f) {
