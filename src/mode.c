@@ -28,7 +28,6 @@ static void set_omitted(lode_drive_t *self) {
 // Gates off, no voltage pending.
 static LODE_SMALL_CALL void open_gates(lode_drive_t *self, lode_mode_t mode) {
     self->gates = false;
-    self->seeks = false;
     self->losses = 0u;
     lode_mode_set_duties(self, LODE_DUTY_IDLE);
     set_omitted(self);
@@ -226,7 +225,6 @@ void lode_mode_run_at_once(lode_drive_t *self) {
     begin_counts(self);
     lode_references_reset(&run->references, self->i_A.d);
     self->ref_A = (lode_dq_t){0.0f, 0.0f}; // until SLOT_REFERENCES
-    self->seeks = false;
     lode_mode_set(self, LODE_MODE_RUN);
 }
 
@@ -318,7 +316,6 @@ void lode_mode_hand_over(lode_drive_t *self) {
     lode_references_reset(&run->references, i_A.d);
     self->ref_A = i_A; // until SLOT_REFERENCES
     self->direction = lode_sign(omega);
-    self->seeks = false;
     lode_mode_set(self, LODE_MODE_RUN);
 }
 
@@ -448,10 +445,10 @@ LODE_NOINLINE void lode_mode_adopt(lode_drive_t *self, const lode_estimate_t *es
         return;
     }
     // The observer's lag is known up to this speed, which is beyond that of OVER_SPEED by default. A sensor's count may be
-    // wrong for a moment: of that the guard decides.
+    // wrong for a moment: there the guard's counter decides.
     const float most = self->tuning->estimator.omega_limit;
-    const bool told = estimate->source == LODE_ESTIMATE_EXTERNAL;
-    if (told && lode_abs(estimate->omega_rad_s) > most) {
+    const bool external = estimate->source == LODE_ESTIMATE_EXTERNAL;
+    if (external && lode_abs(estimate->omega_rad_s) > most) {
         lode_mode_fault(self, LODE_CHECK_OVER_SPEED, self->direction * estimate->omega_rad_s, most);
         return;
     }

@@ -50,8 +50,7 @@ static void find_again(lode_drive_t *self) {
 }
 
 // Injection found no axis, or nothing shows the polarity. The EMF shows whether a load has come to turn the rotor; any other
-// one is started by the vector, from its first stage. One that RUN has lost is not: it may be jammed, and the vector would pull
-// at it in every attempt of a start.
+// one is started by the vector, from its first stage.
 static void give_up(lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const float emf_V = lode_sqrt(self->estimator.by.hfi.emf_V2);
@@ -73,7 +72,7 @@ static void give_up(lode_drive_t *self) {
     lode_estimator_restart(&self->estimator, &self->tuning->estimator);
     self->estimator.by.alone.step = (uint_least8_t)LODE_HFI_UNDECIDED;
     lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
-    if (lode_mode_is_stop(self) || self->seeks) { // at a stop a vector would turn the rotor
+    if (lode_mode_is_stop(self)) { // a vector would turn the rotor
         const lode_fault_t why = {.stage = self->state.start.stage,
                                   .criterion = (uint_least8_t)LODE_CRITERION_POLARITY,
                                   .measured = self->estimator.lock,
@@ -177,7 +176,6 @@ LODE_NOINLINE void lode_mode_find_lost(lode_drive_t *self) {
         lode_abs(self->estimator.pll.omega_rad_s) < LOST_SPEED * tuning->omega_high) {
         lode_guard_withdraw(&self->guard);
         find_again(self);
-        self->seeks = true;
     }
 }
 

@@ -941,7 +941,8 @@ static void test_a_rotor_that_is_lost_is_found_again(void) {
         rig_expect(&rig, LODE_MODE_START);
         TEST_ASSERT_EQUAL_INT(k, rig.drive.losses);
         TEST_ASSERT_EQUAL_INT(k, rig.drive.state.start.failed);
-        TEST_ASSERT_EQUAL_UINT32(0u, rig.drive.start_rounds); // as in a new start
+        TEST_ASSERT_EQUAL_UINT32(
+            0u, rig.drive.start_rounds); // of the vector, which may follow, all of it is left
         rig_run(&rig, 0.5);
         CHECK_AT_MOST(1.0 * CHECK_DEG, rig_worst(&rig, 0.1));
     }
@@ -1155,28 +1156,6 @@ static void test_a_loss_at_speed_trips(void) {
     rig_run(&rig, 0.05);
     rig_expect(&rig, LODE_MODE_FAULT);
     TEST_ASSERT_EQUAL_INT(0, rig.drive.losses);
-}
-
-/// A rotor that jams at speed is lost, and found at rest. Without a motion it does not show its polarity: the vector would pull
-/// at it in every attempt of a start.
-static void test_a_rotor_that_jams_at_speed_ends_the_search(void) {
-    static rig_t rig;
-    rig_running(&rig, LODE_PLL_LESO);
-    rig_ask(&rig, 100.0f); // 300 rad/s; injection ends at 130
-    rig_run(&rig, 2.0);
-    rig_expect(&rig, LODE_MODE_RUN);
-    rig.motor.omega = 0.0;
-    rig.blocked = true;
-    double searched_s = 0.0;
-    for (int n = 0; n < 10000 && rig.drive.mode != LODE_MODE_FAULT; n++) {
-        rig_step(&rig);
-        searched_s += rig.drive.mode == LODE_MODE_START ? RIG_TS_s : 0.0;
-    }
-    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_START", lode_check_name(rig_telemetry(&rig).fault.check));
-    TEST_ASSERT_EQUAL_INT(LODE_CRITERION_POLARITY, rig_telemetry(&rig).fault.criterion);
-    CHECK_AT_LEAST(0.1, searched_s);
-    CHECK_AT_MOST(1.0, searched_s);
-    TEST_ASSERT_FALSE(rig.drive.seeks); // the next start is a whole one again
 }
 
 /// A load that comes to turn the rotor while its axis is searched for: it is caught by its EMF.
@@ -1811,7 +1790,6 @@ int main(void) {
     RUN_TEST(test_a_loss_by_an_open_phase_trips);
     RUN_TEST(test_a_wave_that_an_open_phase_does_not_let_pass);
     RUN_TEST(test_a_loss_at_speed_trips);
-    RUN_TEST(test_a_rotor_that_jams_at_speed_ends_the_search);
     RUN_TEST(test_a_rotor_that_begins_to_turn_is_caught);
     RUN_TEST(test_a_rotor_that_is_never_caught_trips);
     RUN_TEST(test_a_loss_is_forgotten);

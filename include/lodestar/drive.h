@@ -238,7 +238,6 @@ typedef struct {
     uint_least8_t mode_not; ///< complement of `mode`, to detect a changed bit
     uint_least8_t omitted;  ///< phases whose next two samples are unusable, two bits per sample
     uint_least8_t losses;   ///< failed attempts and lost rotors, as lode_telemetry_t.retries
-    bool seeks;             ///< START looks for a rotor that RUN with injection has lost
     uint_least16_t temperature; ///< ADC count of the hotter power stage
     lode_sense_t sense;
     lode_guard_t guard;
