@@ -39,6 +39,7 @@ typedef struct {
     int motors;
     char motor[MOTORS_MAX][NAMES_LENGTH];
     fault_bench_t *bench[MOTORS_MAX];
+    inject_place_t place;
     fault_result_t *result; ///< [motor][kind][point]
     progress_t progress;
 } faults_t;
@@ -71,6 +72,44 @@ static bool take_kinds(faults_t *self) {
     }
     for (int k = 0; k < inject_kind_count; ++k) {
         self->kind[self->kinds++] = &inject_kinds[k];
+    }
+    return true;
+}
+
+static const struct {
+    const char *name;
+    inject_place_t place;
+} places[] = {
+    {"a1", {0, INJECT_BOTH_SETS}},
+    {"b1", {1, INJECT_BOTH_SETS}},
+    {"c1", {2, INJECT_BOTH_SETS}},
+    {"a2", {3, INJECT_BOTH_SETS}},
+    {"b2", {4, INJECT_BOTH_SETS}},
+    {"c2", {5, INJECT_BOTH_SETS}},
+    {"set-1", {0, 0}},
+    {"set-2", {3, 1}},
+};
+enum { PLACES = sizeof places / sizeof places[0] };
+
+static bool take_place(faults_t *self) {
+    const char *name = self->options->place != NULL ? self->options->place : places[0].name;
+    for (int k = 0; k < PLACES; ++k) {
+        if (strcmp(places[k].name, name) == 0) {
+            self->place = places[k].place;
+            return true;
+        }
+    }
+    rig_error("--in %s: unknown; expected a1, b1, c1, a2, b2, c2, set-1 or set-2", name);
+    return false;
+}
+
+/// Three phases have one set.
+static bool has_place(const faults_t *self, const rig_config_t *config) {
+    const bool six = self->place.set != INJECT_BOTH_SETS || self->place.leg >= PLANT_PHASES;
+    if (six && !rig_config_is_six(config)) {
+        rig_error_at(config->file[0], 0, "--in %s: expected a motor with six phases",
+                     self->options->place);
+        return false;
     }
     return true;
 }
@@ -119,7 +158,8 @@ static bool take_motor(void *user, const char *name) {
     }
     rig_config_t config;
     const double share = self->options->has_load ? self->options->load : (double)NAN;
-    return load(&config, name, self->options) && fault_bench_init(bench, &config, share);
+    return load(&config, name, self->options) && has_place(self, &config) &&
+           fault_bench_init(bench, &config, share);
 }
 
 static bool take_motors(faults_t *self) {
@@ -141,7 +181,8 @@ static bool work(void *user, uint64_t number, void *into) {
     const uint64_t seed = self->options->has_seed ? self->options->seed : 1u;
     fault_result_t result = {.found = LODE_CHECK_NONE};
     if (!self->bench[motor]->left_out[point]) {
-        result = fault_case_run(self->bench[motor], self->kind[kind], (fault_point_t)point, seed);
+        result = fault_case_run(self->bench[motor], self->kind[kind], self->place,
+                                (fault_point_t)point, seed);
     }
     memcpy(into, &result, sizeof result);
     return true;
@@ -176,6 +217,7 @@ static bool run_all(faults_t *self) {
 static report_faults_t report_of(const faults_t *self, int motor) {
     const uint64_t first = (uint64_t)motor * (uint64_t)self->kinds * FAULT_POINTS;
     return (report_faults_t){.motor = self->motor[motor],
+                             .place = self->options->place,
                              .bench = self->bench[motor],
                              .kind = self->kind,
                              .kinds = self->kinds,
@@ -221,8 +263,9 @@ static void explain(void) {
 static rig_exit_t run(faults_t *self) {
     FILE *page = NULL;
     FILE *json = NULL;
-    if (!take_kinds(self) || !take_motors(self) || !outputs_open(&json, self->options->json) ||
-        !outputs_open(&page, self->options->out) || !run_all(self)) {
+    if (!take_kinds(self) || !take_place(self) || !take_motors(self) ||
+        !outputs_open(&json, self->options->json) || !outputs_open(&page, self->options->out) ||
+        !run_all(self)) {
         return RIG_BAD_INPUT;
     }
     explain();

@@ -86,11 +86,13 @@ int report_faults_table(FILE *file, const report_faults_t *report) {
     int found = 0;
     (void)fprintf(file,
                   "## %s\n\n%s phases, i_max %.3g A, trip %.3g A, bus %.4g V, %.3g kHz; full speed "
-                  "%.4g rpm.\n\n| fault |",
+                  "%.4g rpm%s%s.\n\n| fault |",
                   report->motor, report->bench->at[0].sets == PLANT_SETS ? "six" : "three",
                   (double)drive->inverter.i_max_A, (double)drive->guard.i_trip_A,
                   (double)drive->inverter.v_bus_V, 1e-3 * (double)drive->f_pwm_Hz,
-                  rig_rpm_from_rad_s(report->bench->full_rad_s));
+                  rig_rpm_from_rad_s(report->bench->full_rad_s),
+                  report->place != NULL ? "; faults in " : "",
+                  report->place != NULL ? report->place : "");
     for (int point = 0; point < FAULT_POINTS; ++point) {
         (void)fprintf(file, " %s |", fault_point_name[point]);
     }
@@ -164,6 +166,7 @@ void report_faults_json(cJSON *root, const report_faults_t *report) {
         harm_words(one->harm, words, sizeof words);
         (void)cJSON_AddStringToObject(item, "motor", report->motor);
         (void)cJSON_AddStringToObject(item, "kind", report->kind[n / FAULT_POINTS]->name);
+        (void)cJSON_AddStringToObject(item, "in", report->place != NULL ? report->place : "a1");
         (void)cJSON_AddStringToObject(item, "at", fault_point_name[n % FAULT_POINTS]);
         (void)cJSON_AddStringToObject(item, "found", check_word(one->found));
         (void)cJSON_AddBoolToObject(item, "silent", fault_is_silent(one));

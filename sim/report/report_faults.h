@@ -7,6 +7,7 @@
 
 typedef struct {
     const char *motor;
+    const char *place; ///< of the faults, as --in names it; NULL: the default
     const fault_bench_t *bench;
     const inject_kind_t *const *kind;
     int kinds;

@@ -108,7 +108,8 @@ static bool reach_all(fault_bench_t *self) {
         return false;
     }
     reach_t reach = {.rig = &self->at[FAULT_AT_START]};
-    inject_init(&reach.nothing, &inject_kinds[0], &self->config, &self->plant, 0);
+    const inject_place_t nowhere = {.leg = 0};
+    inject_init(&reach.nothing, &inject_kinds[0], nowhere, &self->config, &self->plant, 0);
     rig_copy(reach.rig, rig);
     command(reach.rig, speed_rad_s[FAULT_AT_10]);
     if (!reach_start(&reach, (double)self->config.drive.start.omega_handover_rad_s)) {
@@ -220,7 +221,7 @@ static int harm_now(const fault_bench_t *self, const rig_t *rig, fault_point_t p
 }
 
 static fault_result_t run_one(const fault_bench_t *self, const inject_kind_t *kind,
-                              fault_point_t point, uint64_t seed) {
+                              inject_place_t place, fault_point_t point, uint64_t seed) {
     static rig_t rig; // large
     const bool running = point >= FAULT_AT_10;
     const double ts_s = self->plant.period_s;
@@ -231,7 +232,7 @@ static fault_result_t run_one(const fault_bench_t *self, const inject_kind_t *ki
     double ran_s = 0.0;
     rig_copy(&rig, &self->at[point]);
     uint_least8_t losses = rig.drive->losses;
-    inject_init(&inject, kind, &self->config, &self->plant, seed);
+    inject_init(&inject, kind, place, &self->config, &self->plant, seed);
     if (point <= FAULT_AT_START) {
         command(&rig, self->speed_rad_s[FAULT_AT_50]);
     }
@@ -290,12 +291,12 @@ static bool is_worse(const fault_result_t *a, const fault_result_t *b) {
 #define FLIPS 16
 
 fault_result_t fault_case_run(const fault_bench_t *self, const inject_kind_t *kind,
-                              fault_point_t point, uint64_t seed) {
-    fault_result_t worst = run_one(self, kind, point, seed * FLIPS);
+                              inject_place_t place, fault_point_t point, uint64_t seed) {
+    fault_result_t worst = run_one(self, kind, place, point, seed * FLIPS);
     int silent = worst.silent;
     const int tries = inject_is_random(kind) ? FLIPS : 1;
     for (int k = 1; k < tries; ++k) {
-        const fault_result_t one = run_one(self, kind, point, seed * FLIPS + (uint64_t)k);
+        const fault_result_t one = run_one(self, kind, place, point, seed * FLIPS + (uint64_t)k);
         silent += one.silent;
         worst = is_worse(&one, &worst) ? one : worst;
     }

@@ -61,7 +61,7 @@ typedef struct {
 bool fault_bench_init(fault_bench_t *self, const rig_config_t *config, double load_share);
 
 fault_result_t fault_case_run(const fault_bench_t *self, const inject_kind_t *kind,
-                              fault_point_t point, uint64_t seed);
+                              inject_place_t place, fault_point_t point, uint64_t seed);
 
 /// True if no fault was reported although something was wrong.
 bool fault_is_silent(const fault_result_t *result);

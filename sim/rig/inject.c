@@ -33,21 +33,20 @@ const inject_kind_t inject_kinds[] = {
     {"offset-12", "one current offset drifts by 12 % of i_max", INJECT_OFFSET, false, 0.12},
     {"offset-25", "one current offset drifts by 25 % of i_max", INJECT_OFFSET, false, 0.25},
     {"offsets-25", "all current offsets drift by 25 % of i_max", INJECT_OFFSET, true, 0.25},
-    {"sensors-swapped", "the current sensors of phases a and b are swapped", INJECT_SWAP, false,
-     0.0},
+    {"sensors-swapped", "the current sensors of two phases are swapped", INJECT_SWAP, false, 0.0},
     {"sensors-rotated", "the current sensors of phases a, b, c measure b, c, a", INJECT_ROTATE,
      false, 0.0},
-    {"switch-high-dead", "the high switch of phase a no longer turns on", INJECT_DEAD, false, 1.0},
-    {"switch-low-dead", "the low switch of phase a no longer turns on", INJECT_DEAD, false, 0.0},
-    {"leg-dead", "neither switch of phase a turns on", INJECT_DEAD, false, 2.0},
-    {"switch-high-shorted", "the high switch of phase a is shorted", INJECT_SHORT, false, 1.0},
-    {"switch-low-shorted", "the low switch of phase a is shorted", INJECT_SHORT, false, 0.0},
-    {"phase-open", "the wire of phase a breaks", INJECT_OPEN, false, 0.0},
+    {"switch-high-dead", "the high switch of a phase no longer turns on", INJECT_DEAD, false, 1.0},
+    {"switch-low-dead", "the low switch of a phase no longer turns on", INJECT_DEAD, false, 0.0},
+    {"leg-dead", "neither switch of a phase turns on", INJECT_DEAD, false, 2.0},
+    {"switch-high-shorted", "the high switch of a phase is shorted", INJECT_SHORT, false, 1.0},
+    {"switch-low-shorted", "the low switch of a phase is shorted", INJECT_SHORT, false, 0.0},
+    {"phase-open", "the wire of a phase breaks", INJECT_OPEN, false, 0.0},
     {"duties-late", "the duties act one period late", INJECT_LATE, true, 0.0},
     {"duties-early", "the duties act one period early", INJECT_EARLY, true, 0.0},
-    {"register-last", "the duty of phase a stays as it was", INJECT_REGISTER, false, -1.0},
-    {"register-0", "the duty of phase a stays 0", INJECT_REGISTER, false, 0.0},
-    {"register-1", "the duty of phase a stays 1", INJECT_REGISTER, false, 1.0},
+    {"register-last", "the duty of a phase stays as it was", INJECT_REGISTER, false, -1.0},
+    {"register-0", "the duty of a phase stays 0", INJECT_REGISTER, false, 0.0},
+    {"register-1", "the duty of a phase stays 1", INJECT_REGISTER, false, 1.0},
     {"bus-stuck-sags", "the bus sensor is stuck, the bus sags by 15 %", INJECT_BUS_HOLD, true,
      -0.15},
     {"bus-stuck-rises", "the bus sensor is stuck, the bus rises by 15 %", INJECT_BUS_HOLD, true,
@@ -84,10 +83,11 @@ bool inject_is_random(const inject_kind_t *kind) {
            kind->how == INJECT_FLIP_MODE || kind->how == INJECT_FLIP_COMMAND;
 }
 
-void inject_init(inject_t *self, const inject_kind_t *kind, const rig_config_t *config,
-                 const plant_config_t *plant, uint64_t seed) {
+void inject_init(inject_t *self, const inject_kind_t *kind, inject_place_t place,
+                 const rig_config_t *config, const plant_config_t *plant, uint64_t seed) {
     *self = (inject_t){
         .kind = kind,
+        .place = place,
         .seed = seed,
         .ts_s = plant->period_s,
         .i_max_A = (double)config->drive.inverter.i_max_A,
@@ -185,20 +185,31 @@ static void spoil_slow(const inject_t *self, int set, plant_counts_t *counts) {
     }
 }
 
+static bool is_in_set(const inject_t *self, int set) {
+    const inject_place_t *place = &self->place;
+    return place->set == INJECT_BOTH_SETS || place->set == set;
+}
+
+static bool is_in_phase(const inject_t *self, int set, int n) {
+    return self->kind->all ? is_in_set(self, set) : set * PLANT_PHASES + n == self->place.leg;
+}
+
 static void spoil_counts(inject_t *self, int sets, plant_counts_t counts[PLANT_SETS]) {
     for (int set = 0; set < sets; ++set) {
         if (self->periods == 0) {
             self->held[set] = counts[set];
         }
         for (int n = 0; n < PLANT_PHASES; ++n) {
-            if (self->kind->all || (set == 0 && n == 0)) {
+            if (is_in_phase(self, set, n)) {
                 spoil_current(self, set, n, &counts[set].i[n]);
             }
         }
-        if (set == 0) {
+        if (set == self->place.leg / PLANT_PHASES) {
             spoil_order(self, &counts[set]);
         }
-        spoil_slow(self, set, &counts[set]);
+        if (is_in_set(self, set)) {
+            spoil_slow(self, set, &counts[set]);
+        }
     }
 }
 
@@ -245,21 +256,22 @@ static void flip_memory(inject_t *self, rig_t *rig) {
 
 static void begin(inject_t *self, rig_t *rig) {
     plant_t *plant = &rig->plant;
+    const int leg = self->place.leg;
     const double value = self->kind->value;
     switch (self->kind->how) {
     case INJECT_DEAD:
         if (value > 0.5) {
-            plant_fail_switch(plant, 0, true, false);
+            plant_fail_switch(plant, leg, true, false);
         }
         if (value < 0.5 || value > 1.5) {
-            plant_fail_switch(plant, 0, false, false);
+            plant_fail_switch(plant, leg, false, false);
         }
         break;
     case INJECT_SHORT:
-        plant_fail_switch(plant, 0, value > 0.5, true);
+        plant_fail_switch(plant, leg, value > 0.5, true);
         break;
     case INJECT_OPEN:
-        plant_open_phase(plant, 0);
+        plant_open_phase(plant, leg);
         break;
     case INJECT_FLUX:
         plant_set_flux(plant, value * plant->motor.psi_Wb);
@@ -293,9 +305,11 @@ static void write_duties(inject_t *self, rig_t *rig, int set, const lode_drive_o
     double duty[PLANT_PHASES] = {(double)out->duty.a, (double)out->duty.b, (double)out->duty.c};
     const int how = self->kind->how;
     double *before = &self->late[set * PLANT_PHASES];
-    if (how == INJECT_REGISTER && set == 0) {
-        before[0] = self->periods == 0 ? rig->plant.next_duty[0] : before[0];
-        duty[0] = self->kind->value < 0.0 ? before[0] : self->kind->value;
+    const int leg = self->place.leg;
+    if (how == INJECT_REGISTER && set == leg / PLANT_PHASES) {
+        const int n = leg % PLANT_PHASES;
+        before[n] = self->periods == 0 ? rig->plant.next_duty[leg] : before[n];
+        duty[n] = self->kind->value < 0.0 ? before[n] : self->kind->value;
     }
     if (how == INJECT_LATE) {
         double was[PLANT_PHASES];

@@ -15,12 +15,12 @@ typedef enum {
     INJECT_OFFSET,       ///< one, or all, drift by `value` of i_max within 0.1 s
     INJECT_SWAP,         ///< the sensors of two phases are swapped
     INJECT_ROTATE,       ///< the sensors of all three phases are rotated
-    INJECT_DEAD,     ///< the high (1) or low (0) switch of phase a no longer turns on; 2: neither
-    INJECT_SHORT,    ///< the high (1) or low (0) switch of phase a is shorted
-    INJECT_OPEN,     ///< the wire of phase a breaks
+    INJECT_DEAD,     ///< the high (1) or low (0) switch of a phase no longer turns on; 2: neither
+    INJECT_SHORT,    ///< the high (1) or low (0) switch of a phase is shorted
+    INJECT_OPEN,     ///< the wire of a phase breaks
     INJECT_LATE,     ///< duties act one period late
     INJECT_EARLY,    ///< duties act one period early
-    INJECT_REGISTER, ///< the duty of phase a keeps its last value (`value` < 0) or is `value`
+    INJECT_REGISTER, ///< the duty of a phase keeps its last value (`value` < 0) or is `value`
     INJECT_BUS_HOLD, ///< the bus sensor keeps its reading while the bus changes by the share `value` within 50 ms
     INJECT_BUS_READ,    ///< the bus sensor reads `value` of full scale
     INJECT_NTC_HOLD,    ///< the temperature sensor keeps its reading while the power stage heats up
@@ -42,9 +42,17 @@ typedef struct {
     const char *name;
     const char *what; ///< in words
     int how;          ///< inject_how_t
-    bool all;         ///< all phases, not only phase a
+    bool all;         ///< all phases, not only one
     double value;
 } inject_kind_t;
+
+/// Where a fault is.
+typedef struct {
+    int leg; ///< of a fault of one phase: 0 .. 5 for a1, b1, c1, a2, b2, c2
+    int set; ///< of a fault of all phases: 0 or 1; INJECT_BOTH_SETS
+} inject_place_t;
+
+enum { INJECT_BOTH_SETS = -1 };
 
 enum { INJECT_KINDS_MAX = 64 };
 
@@ -57,6 +65,7 @@ bool inject_is_random(const inject_kind_t *kind);
 
 typedef struct {
     const inject_kind_t *kind;
+    inject_place_t place;
     uint64_t seed;
     uint64_t periods; ///< since the fault began
     double ts_s, i_max_A, i_A_per_count, full_count, torque_Nm, v_bus_V, temperature_degC;
@@ -64,8 +73,8 @@ typedef struct {
     double late[PLANT_LEGS]; ///< duties of the previous call
 } inject_t;
 
-void inject_init(inject_t *self, const inject_kind_t *kind, const rig_config_t *config,
-                 const plant_config_t *plant, uint64_t seed);
+void inject_init(inject_t *self, const inject_kind_t *kind, inject_place_t place,
+                 const rig_config_t *config, const plant_config_t *plant, uint64_t seed);
 
 /// One period of a rig with the fault. `truth`: at the start of the period.
 void inject_step(inject_t *self, rig_t *rig, plant_truth_t *truth);

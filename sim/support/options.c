@@ -64,6 +64,10 @@ static const option_t table[] = {
     {"shard", required_argument, 'P', MONTE_CARLO, "K/N",
      "every N-th case from the K-th on, for K = 1 .. N; `merge` joins the JSON of all N"},
     {"kinds", required_argument, 'K', FAULTS, "A,B,...", "kinds of fault; default: all"},
+    {"in", required_argument, 'I', FAULTS, "PLACE",
+     "where: b1, c1, a2, b2 or c2: the phase of a fault of one phase; default: a1;\n"
+     "                             set-1, set-2: sensor faults of all phases are in one set of\n"
+     "                             six, those of one phase in its phase a"},
     {"motors", required_argument, 'M', FAULTS, "A,B,...",
      "names of motors that have a drive of the same name, or files with [motor] and\n"
      "                             [drive]; default: jiang2022,eldeeb2017"},
@@ -377,6 +381,8 @@ static const char **text_option(options_t *options, int letter) {
         return &options->kind;
     case 'K':
         return &options->kinds;
+    case 'I':
+        return &options->place;
     case 'b':
         return &options->separator;
     case 'H':
