@@ -509,7 +509,7 @@ LODE_INLINE lode_drive_out_t act(lode_drive_t *self, const lode_drive_tuning_t *
     const lode_slot_t slot = lode_slot_of(self->steps);
     self->steps++;
     const bool driven = lode_drive_slow_job(self, tuning, lode_tuning_words(tuning), sample,
-                                            sample->temperature, slot);
+                                            sample->temperature, true, slot);
     return driven ? (lode_drive_out_t){duty, LODE_GATES_ON} : idle_out(self);
 }
 

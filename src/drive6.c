@@ -12,7 +12,9 @@
 // Set 2 is checked once per round, set 1 twice.
 #define CHECKS_OF_SET_2 2.0f
 #define STILL_MOST 255u
-#define ALL_KEPT ((1u << LODE_PHASES) - 1u)
+// Checks for which the currents of both sets have not moved (K36), when the first of them is found frozen. By chance a current
+// does not move from one check to the next.
+#define BOTH_REST 2u
 
 static lode_active_t active_of(const lode_drive6_t *self) {
     return (lode_active_t)self->active;
@@ -25,6 +27,7 @@ static LODE_NOINLINE void idle_set2(lode_drive6_t *self) {
     self->u_xy_V = (lode_ab_t){0.0f, 0.0f};
     lode_inverter_reset(&self->inverter_2);
     lode_plausibility_reset(&self->plausibility_2);
+    self->frozen_2.checks = 0u;
     lode_xy_reset(&self->xy);
     self->still = 0u;
     lode_open_phase_reset(&self->watch);
@@ -318,6 +321,37 @@ static LODE_NOINLINE void check_phases(lode_drive6_t *self, int32_t set, lode_ab
     }
 }
 
+// The current vector of a set is frozen (K36). Without current it may be open, but not both sets at once.
+static LODE_NOINLINE void on_frozen_set(lode_drive6_t *self, lode_open_phase_t set, lode_ab_t i_A,
+                                        lode_ab_t i_other_A) {
+    const lode_drive_tuning_t *tuning = &self->tuning->drive;
+    const float none_A = (float)tuning->plausibility.i_still * tuning->sense.i_gain;
+    const uint32_t checks_1 = self->drive.frozen.checks;
+    const uint32_t checks_2 = self->frozen_2.checks;
+    if (checks_1 >= BOTH_REST && checks_2 >= BOTH_REST) {
+        lode_mode_fault(&self->drive, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
+    } else if (lode_ab_length2(i_A) > none_A * none_A) {
+        lode_mode_fault(&self->drive, LODE_CHECK_CURRENT_STUCK, (float)set, 0.0f);
+    } else if (self->tuning->open_phase != (uint_least16_t)LODE_OPEN_PHASE_IGNORE) {
+        on_open_phase(self, set, i_other_A);
+    } else {
+        // to be ignored
+    }
+}
+
+// Each of two sets, as three phases in SLOT_LOCK.
+LODE_INLINE void watch_frozen(lode_drive6_t *self, const lode_sample6_t *x, lode_slot_t slot) {
+    const bool second = slot == SLOT_REFERENCES;
+    if ((slot == SLOT_LOCK || second) && self->active == (uint_least8_t)LODE_SETS_BOTH) {
+        lode_frozen_t *frozen = second ? &self->frozen_2 : &self->drive.frozen;
+        const lode_ab_t i_A = of_set(&x->i_A, !second);
+        if (lode_drive_is_frozen(&self->drive, self->drive.tuning, frozen, i_A)) {
+            on_frozen_set(self, second ? LODE_OPEN_SET_2 : LODE_OPEN_SET_1, i_A,
+                          of_set(&x->i_A, second));
+        }
+    }
+}
+
 // Set 1 in SLOT_LOCK and SLOT_GAINS, set 2 in SLOT_DEAD_TIME and SLOT_REFERENCES.
 LODE_INLINE void watch_phases(lode_drive6_t *self, const lode_sample6_t *x, lode_slot_t slot) {
     const uint32_t turn = (uint32_t)slot % LODE_WATCH_PERIODS;
@@ -478,12 +512,26 @@ static LODE_NOINLINE void count_still(lode_drive6_t *self) {
 
 #endif
 
-// Numbers a stuck phase 4 .. 6 where set 2 runs alone, with its currents in the place of set 1's.
-static LODE_NOINLINE void name_phase(lode_drive6_t *self) {
+// No count of both sets has changed at the last check.
+static bool all_rest(const lode_drive6_t *self) {
+    return (self->drive.plausibility.kept & self->plausibility_2.kept) == LODE_ALL_PHASES;
+}
+
+// Numbers what is stuck. Where set 2 runs alone its currents are in the place of set 1's.
+static LODE_NOINLINE void name_stuck(lode_drive6_t *self, lode_slot_t slot) {
     lode_fault_t *fault = &self->drive.guard.fault;
-    if (self->active == (uint_least8_t)LODE_SETS_ONLY_2 &&
-        fault->check == (uint_least8_t)LODE_CHECK_CURRENT_STUCK && fault->measured > 0.0f) {
-        fault->measured += (float)LODE_PHASES;
+    if (fault->check != (uint_least8_t)LODE_CHECK_CURRENT_STUCK) {
+        return;
+    }
+    const bool phase = lode_in_range(fault->measured, 1.0f, (float)LODE_SETS * (float)LODE_PHASES);
+    if (self->active == (uint_least8_t)LODE_SETS_ONLY_2) {
+        fault->measured += phase ? (float)LODE_PHASES : 0.0f;
+    } else if (self->active == (uint_least8_t)LODE_SETS_BOTH && !phase) {
+        const bool of_1 = slot == SLOT_GUARD || slot == SLOT_GUARD_2; // the checks of its counts
+        const float set = of_1 ? (float)LODE_OPEN_SET_1 : fault->measured;
+        fault->measured = all_rest(self) ? 0.0f : set;
+    } else {
+        // a phase, or the sensors of set 1 alone
     }
 }
 
@@ -498,7 +546,7 @@ LODE_INLINE void watch_set2(lode_drive6_t *self, const lode_sample_t *set_2) {
     }
     lode_drive_watch(&self->drive, self->drive.tuning, &self->plausibility_2, set_2->i,
                      CHECKS_OF_SET_2);
-    if ((self->drive.plausibility.kept & self->plausibility_2.kept) == ALL_KEPT) {
+    if (all_rest(self)) {
         count_still(self);
     } else {
         self->still = 0u;
@@ -530,17 +578,19 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
         return end_idle(self);
     }
     const lode_slot_t slot = lode_slot_of(drive->steps);
+    const bool both = self->active == (uint_least8_t)LODE_SETS_BOTH;
     if (slot == SLOT_LAG) {
         lode_xy_adapt(&self->xy, &self->tuning->xy, lode_mode_frame_omega(drive));
     }
     watch_phases(self, sample, slot);
+    watch_frozen(self, sample, slot);
     if (slot == SLOT_REFERENCES) {
         watch_set2(self, &sample->set_2);
     }
     (void)lode_drive_slow_job(drive, drive->tuning, words_of(self->tuning), &sample->machine,
-                              sample->set_2.temperature, slot);
+                              sample->set_2.temperature, !both, slot);
     if (!drive->gates) {
-        name_phase(self);
+        name_stuck(self, slot);
         return end_idle(self);
     }
     drive->steps++;

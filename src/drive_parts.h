@@ -43,11 +43,11 @@ void lode_drive_count_still(lode_drive_t *self, uint16_t count, float v_bus_V);
 // A current of a set has kept its count, or their sum is too large.
 void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
                         const int32_t i[LODE_PHASES], float checks);
-// In START with three phases: checks that each phase carries both half-waves. False, as below (except
-// lode_drive_note_jump()): the drive is in FAULT.
+// In START with three phases: checks that each phase carries both half-waves. False, as below where nothing else is said: the
+// drive is in FAULT.
 bool lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
-// The current vector has hardly moved since an earlier check.
-bool lode_drive_doubt_frozen(lode_drive_t *self);
+// The current vector has hardly moved since an earlier check. True: it is frozen.
+bool lode_drive_doubt_frozen(lode_drive_t *self, lode_frozen_t *frozen);
 // The current has jumped: `jump_V` would have had to act in addition to voltage and EMF. True: the sample is kept out of the
 // EMF.
 bool lode_drive_note_jump(lode_drive_t *self, lode_ab_t i_A, lode_ab_t jump_V);

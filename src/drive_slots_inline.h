@@ -215,15 +215,18 @@ LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t 
 #endif
 }
 
-// Checks for a frozen current vector (K36).
-LODE_INLINE bool lode_drive_watch_frozen(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+// The current vector is frozen (K36). Once in LODE_SLOW_PERIODS.
+LODE_INLINE bool lode_drive_is_frozen(lode_drive_t *self, const lode_drive_tuning_t *tuning,
+                                      lode_frozen_t *frozen, lode_ab_t i_A) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
     (void)self;
     (void)tuning;
-    return true;
+    (void)frozen;
+    (void)i_A;
+    return false;
 #else
-    return lode_frozen_moves(&self->frozen, &tuning->plausibility, self->estimator.emf.i_A) ||
-           lode_drive_doubt_frozen(self);
+    return !lode_frozen_moves(frozen, &tuning->plausibility, i_A) &&
+           lode_drive_doubt_frozen(self, frozen);
 #endif
 }
 
@@ -254,17 +257,18 @@ LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t 
 }
 
 // One slot; runs after the duties are made. `words`: the complete tuning, for the memory check; `tuning` is all of it or a
-// part.
+// part. `one_set`: false where both of two sets are driven, which drive6.c watches each (K36).
 LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                      lode_words_t words, const lode_sample_t *sample,
-                                     uint16_t other, lode_slot_t slot) {
+                                     uint16_t other, bool one_set, lode_slot_t slot) {
     switch (slot) {
     case SLOT_LOCK:
         lode_estimator_note_lock(&self->estimator, &tuning->estimator);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
         lode_jump_note_noise(&self->jump);
 #endif
-        if (!lode_drive_watch_frozen(self, tuning)) {
+        if (one_set && lode_drive_is_frozen(self, tuning, &self->frozen, self->estimator.emf.i_A)) {
+            lode_mode_fault(self, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
             return false;
         }
         if (lode_mode(self) == LODE_MODE_RUN) {

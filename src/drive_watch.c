@@ -120,11 +120,10 @@ static bool may_follow(const lode_drive_t *self, float omega_rad_s) {
 }
 
 // (K43). Of a current that need not follow: it should turn with its reference nevertheless. A motor without load at the end of
-// its voltage has none, and had hardly any before.
-static bool should_turn(const lode_drive_t *self, float omega_rad_s) {
-    const float flows_A2 = self->tuning->plausibility.i_min_A2;
-    return squared(self->i_A) >= flows_A2 || self->frozen.moved_A2 >= flows_A2 ||
-           may_follow(self, omega_rad_s) || !is_emf_below(self, NO_LOAD_SHARE, omega_rad_s);
+// its voltage has none, and had hardly any before. `i_A2`: the larger of the current and its last move, squared.
+static bool should_turn(const lode_drive_t *self, float i_A2, float omega_rad_s) {
+    return i_A2 >= self->tuning->plausibility.i_min_A2 || may_follow(self, omega_rad_s) ||
+           !is_emf_below(self, NO_LOAD_SHARE, omega_rad_s);
 }
 
 // A phase current that crosses zero requires the voltage of the inductance. Where dead time and drops take more, they hold
@@ -152,8 +151,9 @@ static LODE_NOINLINE void find(lode_drive_t *self, lode_plausibility_t *watch, u
     }
     if (found.check != LODE_CHECK_NONE) {
         const bool second = watch != &self->plausibility && found.check != LODE_CHECK_CURRENT_SUM;
-        const float before = second ? (float)LODE_PHASES : 0.0f;
-        lode_mode_fault(self, found.check, found.measured + before, found.limit);
+        const float number =
+            phase_of(found) > 0u ? found.measured + (float)LODE_PHASES : (float)LODE_OPEN_SET_2;
+        lode_mode_fault(self, found.check, second ? number : found.measured, found.limit);
     }
 }
 
@@ -189,7 +189,7 @@ static float wound_up(const lode_drive_t *self) {
 }
 
 // Turn of the vector since the last check, `checks` times LODE_GUARD_PERIODS ago. The damping of a start may turn the vector
-// back as fast as its speed turns it on; vector and counts then rest. This shift is known at the checks of set 1 only.
+// back as fast as its speed turns it on; vector and counts then rest.
 LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, float omega_rad_s,
                           float checks) {
     const uint32_t periods = LODE_GUARD_PERIODS;
@@ -198,8 +198,8 @@ LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, 
     if (lode_mode(self) != LODE_MODE_START) {
         return turn_rad;
     }
-    return watch == &self->plausibility ? turn_rad + lode_start_shifted_rad(&self->state.start)
-                                        : 0.0f;
+    const int32_t set = watch == &self->plausibility ? 0 : 1;
+    return turn_rad + lode_start_shifted_rad(&self->state.start, set);
 }
 
 // Decides on three phases that have kept their counts. A current that need not follow may rest at zero for a while, held by
@@ -207,7 +207,9 @@ LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, 
 static uint32_t doubt_of_all(const lode_drive_t *self, lode_plausibility_t *watch, uint32_t doubt,
                              float omega_rad_s) {
     lode_plausibility_add(watch, &self->tuning->plausibility, wound_up(self));
-    const bool turned = lode_abs(watch->turn_rad) >= LODE_TWO_PI && should_turn(self, omega_rad_s);
+    const float i_A2 = lode_max(squared(self->i_A), self->frozen.moved_A2);
+    const bool turned =
+        lode_abs(watch->turn_rad) >= LODE_TWO_PI && should_turn(self, i_A2, omega_rad_s);
     return may_follow(self, omega_rad_s) || turned ? doubt : 0u;
 }
 
@@ -250,27 +252,25 @@ static lode_ab_t stator_reference(const lode_drive_t *self) {
 }
 
 // A current with enough voltage should follow at once. One held by dead time may rest at zero, but not for a full turn.
-static bool should_have_followed(const lode_drive_t *self) {
+static bool should_have_followed(const lode_drive_t *self, const lode_frozen_t *frozen) {
     const float omega = lode_mode_frame_omega(self);
     const float taken_V = hold_of(self).taken_V;
+    const float i_A2 = lode_max(lode_ab_length2(frozen->i_A), frozen->moved_A2);
     return (may_follow(self, omega) && squared(self->u_V) > taken_V * taken_V) ||
-           (lode_frozen_turned(&self->frozen, rounds_s(self, 1u) * omega) &&
-            should_turn(self, omega));
+           (lode_frozen_turned(frozen, rounds_s(self, 1u) * omega) &&
+            should_turn(self, i_A2, omega));
 }
 
-LODE_NOINLINE bool lode_drive_doubt_frozen(lode_drive_t *self) {
+LODE_NOINLINE bool lode_drive_doubt_frozen(lode_drive_t *self, lode_frozen_t *frozen) {
     const lode_plausibility_tuning_t *tuning = &self->tuning->plausibility;
     const bool catches =
         lode_mode(self) == LODE_MODE_START && lode_start_catches(&self->state.start);
     if (lode_mode_is_voltage(self) || catches) { // no reference, or no current
-        self->frozen.checks = 0u;
-        return true;
+        frozen->checks = 0u;
+        return false;
     }
-    if (lode_frozen_check(&self->frozen, tuning, stator_reference(self)) &&
-        should_have_followed(self)) {
-        lode_mode_fault(self, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
-    }
-    return self->gates;
+    return lode_frozen_check(frozen, tuning, stator_reference(self)) &&
+           should_have_followed(self, frozen);
 }
 
 // What acts on the current is known: in RUN a lock is needed, with which the observer knows the EMF. Not with injection, whose

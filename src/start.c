@@ -50,7 +50,9 @@ static void enter(lode_start_t *self, uint_least8_t stage) {
     if (stage == (uint_least8_t)LODE_START_TURN) {
 #ifndef LODE_WITHOUT_PLAUSIBILITY // only the plausibility checks use these
         self->seen.turn.waves = (lode_waves_t){.turn_rad = 0.0f};
-        self->seen.turn.shift_rad = lode_start_shift_rad(self);
+        const float shift_rad = lode_start_shift_rad(self);
+        self->seen.turn.shift_rad[0] = shift_rad;
+        self->seen.turn.shift_rad[1] = shift_rad;
 #endif
     } else {
         self->seen.rest = (lode_start_rest_t){.sum_V = 0.0f};

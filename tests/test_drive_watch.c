@@ -1119,14 +1119,15 @@ static void test_a_temperature_that_stands_still_trips_where_it_should_not(void)
     TEST_ASSERT_TRUE(periods > 62u * LODE_SLOW_PERIODS && periods <= 63u * LODE_SLOW_PERIODS);
 }
 
-/// Looks at a vector that keeps still while another one is asked for, until it is doubted; at most 100. `moved_A`: its last move.
-static int looks(rig_t *rig, float moved_A) {
-    rig->drive.frozen = (lode_frozen_t){.moved_A2 = moved_A * moved_A};
+/// Looks at a vector of `i_A` that keeps still while another one is asked for, until it is doubted; at most 100. `moved_A`: its
+/// last move.
+static int looks(rig_t *rig, float i_A, float moved_A) {
+    rig->drive.frozen = (lode_frozen_t){.i_A = {i_A, 0.0f}, .moved_A2 = moved_A * moved_A};
     int checks = 0;
     do {
         rig->drive.ref_A = (lode_dq_t){0.0f, checks == 0 ? 1.0f : 6.0f};
         checks++;
-    } while (lode_drive_doubt_frozen(&rig->drive) && checks < 100);
+    } while (!lode_drive_doubt_frozen(&rig->drive, &rig->drive.frozen) && checks < 100);
     return checks;
 }
 
@@ -1138,7 +1139,7 @@ static int checks_until_doubted(rig_t rig, float share) {
         2.0f * inverter->v_drop_V;
     CHECK_AT_LEAST(1.0, (double)taken_V);
     rig.drive.u_V = (lode_dq_t){0.0f, share * taken_V};
-    return looks(&rig, 0.0f);
+    return looks(&rig, 0.0f, 0.0f);
 }
 
 /// Within what dead time takes a current may rest at zero, whatever is asked for: it is doubted after a turn alone (K36).
@@ -1152,27 +1153,25 @@ static void test_dead_time_may_keep_a_vector_still(void) {
 }
 
 /// With an EMF of `share` of the voltage.
-static int checks_at_edge(rig_t rig, float share, float moved_A) {
+static int checks_at_edge(rig_t rig, float share, float i_A, float moved_A) {
     const float emf_V = tuning.references.psi_Wb * rig.drive.estimator.pll.omega_rad_s;
     rig.drive.inverter.v_bus_V = emf_V / (share * tuning.current.circle);
     rig.drive.u_V = (lode_dq_t){0.0f, 50.0f}; // more than dead time takes
-    return looks(&rig, moved_A);
+    return looks(&rig, i_A, moved_A);
 }
 
 /// Nor has it to follow where the EMF takes the voltage. It should turn; without load it may be zero (K43).
 static void test_a_vector_need_not_follow_at_the_edge_of_the_voltage(void) {
-    rig_t rig = running(80.0, 8.0);
+    const rig_t rig = running(80.0, 8.0);
     const double round_rad = 8.0 * RIG_TS_s * (double)rig.drive.estimator.pll.omega_rad_s;
     const int turn = 1 + (int)ceil(2.0 * CHECK_PI / round_rad);
-    rig.drive.i_A = (lode_dq_t){0.0f, 0.61f};
-    TEST_ASSERT_EQUAL_INT(3, checks_at_edge(rig, 0.79f, 0.59f));
-    TEST_ASSERT_EQUAL_INT(turn, checks_at_edge(rig, 0.81f, 0.59f));
-    rig.drive.i_A = (lode_dq_t){0.0f, -0.59f};
-    TEST_ASSERT_EQUAL_INT(3, checks_at_edge(rig, 0.79f, 0.59f));
-    TEST_ASSERT_EQUAL_INT(100, checks_at_edge(rig, 0.81f, 0.59f));
-    TEST_ASSERT_EQUAL_INT(100, checks_at_edge(rig, 1.24f, 0.59f));
-    TEST_ASSERT_EQUAL_INT(turn, checks_at_edge(rig, 1.26f, 0.59f));
-    TEST_ASSERT_EQUAL_INT(turn, checks_at_edge(rig, 1.0f, 0.61f));
+    TEST_ASSERT_EQUAL_INT(3, checks_at_edge(rig, 0.79f, 0.61f, 0.59f));
+    TEST_ASSERT_EQUAL_INT(turn, checks_at_edge(rig, 0.81f, 0.61f, 0.59f));
+    TEST_ASSERT_EQUAL_INT(3, checks_at_edge(rig, 0.79f, -0.59f, 0.59f));
+    TEST_ASSERT_EQUAL_INT(100, checks_at_edge(rig, 0.81f, -0.59f, 0.59f));
+    TEST_ASSERT_EQUAL_INT(100, checks_at_edge(rig, 1.24f, -0.59f, 0.59f));
+    TEST_ASSERT_EQUAL_INT(turn, checks_at_edge(rig, 1.26f, -0.59f, 0.59f));
+    TEST_ASSERT_EQUAL_INT(turn, checks_at_edge(rig, 1.0f, -0.59f, 0.61f));
 }
 
 /// With a voltage commanded nothing is asked for, and while a start catches no current flows: it begins anew.
@@ -1184,13 +1183,13 @@ static void test_a_vector_without_a_current_is_not_frozen(void) {
         drive.mode = (uint_least8_t)modes[k];
         drive.state.start.stage = (uint_least8_t)LODE_START_CATCH;
         drive.frozen.checks = 5u;
-        TEST_ASSERT_TRUE(lode_drive_doubt_frozen(&drive));
+        TEST_ASSERT_FALSE(lode_drive_doubt_frozen(&drive, &drive.frozen));
         TEST_ASSERT_EQUAL_UINT(0u, drive.frozen.checks);
     }
     rig.drive.mode = (uint_least8_t)LODE_MODE_START; // with its vector it goes on
     rig.drive.state.start.stage = (uint_least8_t)LODE_START_TURN;
     rig.drive.frozen.checks = 5u;
-    (void)lode_drive_doubt_frozen(&rig.drive);
+    (void)lode_drive_doubt_frozen(&rig.drive, &rig.drive.frozen);
     TEST_ASSERT_EQUAL_UINT(6u, rig.drive.frozen.checks);
 }
 

@@ -74,6 +74,7 @@ typedef struct {
     lode_shorted_t shorted_2;
     lode_inverter_t inverter_2;
     lode_plausibility_t plausibility_2;
+    lode_frozen_t frozen_2;
     lode_sense_sums_t sums_2;
     lode_abc_t duty_2;
     lode_ab_t i_xy_A;

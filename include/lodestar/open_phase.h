@@ -15,9 +15,12 @@ extern "C" {
 /// Number of an open phase: 0 none, 1 .. 3 set 1, 4 .. 6 set 2, 7 all of set 1, 8 all of set 2.
 typedef uint_least8_t lode_open_phase_t;
 
+#define LODE_OPEN_SET_1 7u
+#define LODE_OPEN_SET_2 8u
+
 /// The set of an open phase, 0 or 1.
 static inline int32_t lode_open_phase_set(lode_open_phase_t open) {
-    return open <= 3u || open == 7u ? 0 : 1;
+    return open <= 3u || open == LODE_OPEN_SET_1 ? 0 : 1;
 }
 
 /// Limits. A half-wave counts up while it is missing, and its phase is open when the count is full.

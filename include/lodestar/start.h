@@ -154,7 +154,8 @@ typedef struct {
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_waves_t waves; ///< half-waves of the three phases
 #endif
-    float shift_rad; ///< angle by which the vector was shifted ahead at the last call
+    /// angle by which the vector was shifted ahead when the counts of a set were last in doubt; three phases: the first
+    float shift_rad[2];
 } lode_start_turn_t;
 
 /// State of a start. Angles and speeds are electrical.

@@ -455,13 +455,19 @@ static void break_leg(plant_t *plant, const mc_break_t *breaks) {
     }
 }
 
+/// A fault, or the other set goes on alone.
+static bool tells_open(const trial_t *trial) {
+    return mode_of(trial) == LODE_MODE_FAULT ||
+           (trial->rig.sets == PLANT_SETS && trial->rig.six.open > 0u);
+}
+
 static bool is_found(trial_t *trial, double turn_s) {
     const double bar_s = fmax(FOUND_s, FOUND_TURNS * turn_s);
     mc_result_t *result = trial->result;
     for (double t_s = 0.0; t_s < fmax(LOOKED_s, bar_s) && isnan(result->found_s);
          t_s += trial->ts_s) {
         rig_step(&trial->rig, trial->estimate, &trial->memory, &trial->now);
-        result->found_s = mode_of(trial) == LODE_MODE_FAULT ? t_s + trial->ts_s : NAN;
+        result->found_s = tells_open(trial) ? t_s + trial->ts_s : NAN;
     }
     if (isnan(result->found_s)) {
         fail(trial, false, "not found");
