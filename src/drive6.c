@@ -339,29 +339,31 @@ static LODE_NOINLINE void on_frozen_set(lode_drive6_t *self, lode_open_phase_t s
     }
 }
 
-// Each of two sets, as three phases in SLOT_LOCK.
-LODE_INLINE void watch_frozen(lode_drive6_t *self, const lode_sample6_t *x, lode_slot_t slot) {
-    const bool second = slot == SLOT_REFERENCES;
-    if ((slot == SLOT_LOCK || second) && self->active == (uint_least8_t)LODE_SETS_BOTH) {
-        lode_frozen_t *frozen = second ? &self->frozen_2 : &self->drive.frozen;
-        const lode_ab_t i_A = of_set(&x->i_A, !second);
-        if (lode_drive_is_frozen(&self->drive, self->drive.tuning, frozen, i_A)) {
-            on_frozen_set(self, second ? LODE_OPEN_SET_2 : LODE_OPEN_SET_1, i_A,
-                          of_set(&x->i_A, second));
-        }
-    }
-}
-
-// Set 1 in SLOT_LOCK and SLOT_GAINS, set 2 in SLOT_DEAD_TIME and SLOT_REFERENCES.
-LODE_INLINE void watch_phases(lode_drive6_t *self, const lode_sample6_t *x, lode_slot_t slot) {
-    const uint32_t turn = (uint32_t)slot % LODE_WATCH_PERIODS;
-    const bool second = turn == 3u;
-    if ((turn == 0u || second) && self->active == (uint_least8_t)LODE_SETS_BOTH &&
-        self->tuning->open_phase != (uint_least16_t)LODE_OPEN_PHASE_IGNORE &&
+LODE_INLINE void watch_phases(lode_drive6_t *self, const lode_sample6_t *x, bool second) {
+    if (self->tuning->open_phase != (uint_least16_t)LODE_OPEN_PHASE_IGNORE &&
         lode_open_phase_doubts(&self->watch, &self->tuning->watch, x->machine.i_A, self->i_xy_A)) {
         const lode_ab_t i_ab_A = {x->machine.i_A.alpha, x->machine.i_A.beta};
         check_phases(self, second ? 1 : 0, of_set(&x->i_A, !second), of_set(&x->i_A, second),
                      i_ab_A);
+    }
+}
+
+// While both are driven: set 1 in SLOT_LOCK and SLOT_GAINS, set 2 in SLOT_DEAD_TIME and SLOT_REFERENCES, and for (K36) once per
+// round each.
+LODE_INLINE void watch_sets(lode_drive6_t *self, const lode_sample6_t *x, lode_slot_t slot) {
+    const uint32_t turn = (uint32_t)slot % LODE_WATCH_PERIODS;
+    const bool second = turn == 3u;
+    if ((turn != 0u && !second) || self->active != (uint_least8_t)LODE_SETS_BOTH) {
+        return;
+    }
+    lode_frozen_t *frozen = second ? &self->frozen_2 : &self->drive.frozen;
+    const lode_ab_t i_A = of_set(&x->i_A, !second);
+    if ((slot == SLOT_LOCK || slot == SLOT_REFERENCES) &&
+        lode_drive_is_frozen(&self->drive, self->drive.tuning, frozen, i_A)) {
+        on_frozen_set(self, second ? LODE_OPEN_SET_2 : LODE_OPEN_SET_1, i_A,
+                      of_set(&x->i_A, second));
+    } else {
+        watch_phases(self, x, second);
     }
 }
 
@@ -582,8 +584,7 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
     if (slot == SLOT_LAG) {
         lode_xy_adapt(&self->xy, &self->tuning->xy, lode_mode_frame_omega(drive));
     }
-    watch_phases(self, sample, slot);
-    watch_frozen(self, sample, slot);
+    watch_sets(self, sample, slot);
     if (slot == SLOT_REFERENCES) {
         watch_set2(self, &sample->set_2);
     }
