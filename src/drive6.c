@@ -26,10 +26,12 @@ static LODE_NOINLINE void idle_set2(lode_drive6_t *self) {
     self->omitted_2 = self->drive.omitted;
     self->u_xy_V = (lode_ab_t){0.0f, 0.0f};
     lode_inverter_reset(&self->inverter_2);
+    lode_xy_reset(&self->xy);
+#ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_plausibility_reset(&self->plausibility_2);
     self->frozen_2.checks = 0u;
-    lode_xy_reset(&self->xy);
     self->still = 0u;
+#endif
     lode_open_phase_reset(&self->watch);
 }
 
@@ -321,6 +323,8 @@ static LODE_NOINLINE void check_phases(lode_drive6_t *self, int32_t set, lode_ab
     }
 }
 
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
 // The current vector of a set is frozen (K36). Without current it may be open, but not both sets at once.
 static LODE_NOINLINE void on_frozen_set(lode_drive6_t *self, lode_open_phase_t set, lode_ab_t i_A,
                                         lode_ab_t i_other_A) {
@@ -339,6 +343,28 @@ static LODE_NOINLINE void on_frozen_set(lode_drive6_t *self, lode_open_phase_t s
     }
 }
 
+// Once per round and set. True: it is frozen.
+LODE_INLINE bool finds_frozen(lode_drive6_t *self, const lode_sample6_t *x, bool second) {
+    lode_frozen_t *frozen = second ? &self->frozen_2 : &self->drive.frozen;
+    const lode_ab_t i_A = of_set(&x->i_A, !second);
+    if (!lode_drive_is_frozen(&self->drive, self->drive.tuning, frozen, i_A)) {
+        return false;
+    }
+    on_frozen_set(self, second ? LODE_OPEN_SET_2 : LODE_OPEN_SET_1, i_A, of_set(&x->i_A, second));
+    return true;
+}
+
+#else
+
+LODE_INLINE bool finds_frozen(lode_drive6_t *self, const lode_sample6_t *x, bool second) {
+    (void)self;
+    (void)x;
+    (void)second;
+    return false;
+}
+
+#endif
+
 LODE_INLINE void watch_phases(lode_drive6_t *self, const lode_sample6_t *x, bool second) {
     if (self->tuning->open_phase != (uint_least16_t)LODE_OPEN_PHASE_IGNORE &&
         lode_open_phase_doubts(&self->watch, &self->tuning->watch, x->machine.i_A, self->i_xy_A)) {
@@ -356,13 +382,8 @@ LODE_INLINE void watch_sets(lode_drive6_t *self, const lode_sample6_t *x, lode_s
     if ((turn != 0u && !second) || self->active != (uint_least8_t)LODE_SETS_BOTH) {
         return;
     }
-    lode_frozen_t *frozen = second ? &self->frozen_2 : &self->drive.frozen;
-    const lode_ab_t i_A = of_set(&x->i_A, !second);
-    if ((slot == SLOT_LOCK || slot == SLOT_REFERENCES) &&
-        lode_drive_is_frozen(&self->drive, self->drive.tuning, frozen, i_A)) {
-        on_frozen_set(self, second ? LODE_OPEN_SET_2 : LODE_OPEN_SET_1, i_A,
-                      of_set(&x->i_A, second));
-    } else {
+    const bool once = slot == SLOT_LOCK || slot == SLOT_REFERENCES;
+    if (!once || !finds_frozen(self, x, second)) {
         watch_phases(self, x, second);
     }
 }
@@ -497,6 +518,11 @@ LODE_INLINE bool accept(lode_drive6_t *self, lode_abc6_t duty) {
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
+// No count of both sets has changed at the last check.
+static bool all_rest(const lode_drive6_t *self) {
+    return (self->drive.plausibility.kept & self->plausibility_2.kept) == LODE_ALL_PHASES;
+}
+
 // Both sets have kept all their counts at two checks. In one set alone that may be open phases, whose counts stay near zero.
 static LODE_NOINLINE void count_still(lode_drive6_t *self) {
     lode_drive_t *drive = &self->drive;
@@ -504,19 +530,12 @@ static LODE_NOINLINE void count_still(lode_drive6_t *self) {
     const float round_s = (float)LODE_SLOW_PERIODS * tuning->estimator.pll.ts_s;
     const lode_dq_t ref_A = drive->ref_A;
     const float turn_rad = (float)self->still * round_s * lode_mode_frame_omega(drive);
-    if (lode_mode(drive) == LODE_MODE_RUN &&
+    if (lode_mode(drive) == LODE_MODE_RUN && lode_plausibility_has_stuck(&tuning->plausibility) &&
         lode_plausibility_none_flows(&tuning->plausibility, ref_A.d * ref_A.d + ref_A.q * ref_A.q,
                                      turn_rad, lode_abs(tuning->sense.i_gain))) {
         lode_mode_fault(drive, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
     }
     self->still = (uint_least8_t)(self->still < STILL_MOST ? self->still + 1u : STILL_MOST);
-}
-
-#endif
-
-// No count of both sets has changed at the last check.
-static bool all_rest(const lode_drive6_t *self) {
-    return (self->drive.plausibility.kept & self->plausibility_2.kept) == LODE_ALL_PHASES;
 }
 
 // Numbers what is stuck. Where set 2 runs alone its currents are in the place of set 1's.
@@ -536,6 +555,15 @@ static LODE_NOINLINE void name_stuck(lode_drive6_t *self, lode_slot_t slot) {
         // a phase, or the sensors of set 1 alone
     }
 }
+
+#else
+
+static void name_stuck(const lode_drive6_t *self, lode_slot_t slot) {
+    (void)self;
+    (void)slot;
+}
+
+#endif
 
 // In SLOT_REFERENCES. Set 1 is checked with the guard.
 LODE_INLINE void watch_set2(lode_drive6_t *self, const lode_sample_t *set_2) {

@@ -215,18 +215,29 @@ LODE_INLINE void lode_drive_watch(lode_drive_t *self, const lode_drive_tuning_t 
 #endif
 }
 
+#ifndef LODE_WITHOUT_PLAUSIBILITY
+
 // The current vector is frozen (K36). Once in LODE_SLOW_PERIODS.
 LODE_INLINE bool lode_drive_is_frozen(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                       lode_frozen_t *frozen, lode_ab_t i_A) {
+    return !lode_frozen_moves(frozen, &tuning->plausibility, i_A) &&
+           lode_drive_doubt_frozen(self, frozen);
+}
+
+#endif
+
+// SLOT_LOCK. False: it is frozen.
+LODE_INLINE bool lode_drive_watch_frozen(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
     (void)self;
     (void)tuning;
-    (void)frozen;
-    (void)i_A;
-    return false;
+    return true;
 #else
-    return !lode_frozen_moves(frozen, &tuning->plausibility, i_A) &&
-           lode_drive_doubt_frozen(self, frozen);
+    if (lode_drive_is_frozen(self, tuning, &self->frozen, self->estimator.emf.i_A)) {
+        lode_mode_fault(self, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
+        return false;
+    }
+    return true;
 #endif
 }
 
@@ -267,8 +278,7 @@ LODE_INLINE bool lode_drive_slow_job(lode_drive_t *self, const lode_drive_tuning
 #ifndef LODE_WITHOUT_PLAUSIBILITY
         lode_jump_note_noise(&self->jump);
 #endif
-        if (one_set && lode_drive_is_frozen(self, tuning, &self->frozen, self->estimator.emf.i_A)) {
-            lode_mode_fault(self, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
+        if (one_set && !lode_drive_watch_frozen(self, tuning)) {
             return false;
         }
         if (lode_mode(self) == LODE_MODE_RUN) {

@@ -27,9 +27,8 @@
 #define FOLLOWED 0.8f // of the torque current's reference
 #define FAR_OFF 0.05f // of the speed reference
 // Flux: the EMF is that of another flux where its direction is right, its size at least half (a stopped rotor has less), and
-// its error more than a tuning and a hot magnet explain.
+// its error more than a tuning and a hot magnet explain (guard.flux_share).
 #define LEAST_FLUX 0.5f
-#define ANOTHER_FLUX 0.2f
 // Uncertainty of the inductances, as for (S34) and (K16), and of the resistance; the drops have that of the resistance.
 #define L_UNSURE 0.2f
 #define R_UNSURE 0.5f
@@ -233,6 +232,7 @@ LODE_NOINLINE void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *w
     if (none) {
         doubt = doubt_of_all(self, watch, doubt, omega);
     }
+    doubt = lode_plausibility_has_stuck(tuning) ? doubt : 0u;
     if (doubt > 0u || watch->sum > 0u || !lode_plausibility_sum_ok(tuning, watch->i)) {
         find(self, watch, doubt);
     }
@@ -548,7 +548,7 @@ static float unsure_Wb(const lode_drive_t *self, lode_flux_t flux) {
     const float q_Wb = L_share * lode_references_salient_H(motor) * turned_A;
     const float r_Wb = R_UNSURE * (emf->inv_b - emf->a_over_b) * i_A.q / omega;
     const float dead_Wb = unsure_dead_V(self) / omega;
-    return ANOTHER_FLUX * self->tuning->estimator.psi_Wb +
+    return self->tuning->plausibility.flux_share * self->tuning->estimator.psi_Wb +
            lode_sqrt(d_Wb * d_Wb + q_Wb * q_Wb + r_Wb * r_Wb + dead_Wb * dead_Wb);
 }
 
@@ -579,7 +579,8 @@ static void name_lost_lock(lode_drive_t *self) {
     lode_guard_t *guard = &self->guard;
     const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
     const bool before = guard->flux || guard->lock <= 1u;
-    const bool now = is_another_flux(flux, ANOTHER_FLUX * flux.expected_Wb);
+    const bool now =
+        is_another_flux(flux, self->tuning->plausibility.flux_share * flux.expected_Wb);
     guard->flux = guard->lock > 0u && before && now;
     if (lode_mode(self) != LODE_MODE_RUN ||
         guard->fault.check != (uint_least8_t)LODE_CHECK_LOST_LOCK) {

@@ -16,6 +16,7 @@
 #define STAMP_TOLERANCE 0.25f // of a period
 // with the time until all the torque is requested, in less than 0.1 s
 #define OVERLOAD_s 0.03f
+#define FLUX_SHARE 0.2f // more than a tuning and a hot magnet explain
 #define HALF_TURN_rad 3.1415927f
 #define PERIODS_MAX 32768.0f // of half a turn: slower than any EMF above the bus
 #define MIDDLE_SHARE 0.1f    // of the largest current: well above offsets, noise and gain errors
@@ -83,9 +84,17 @@ void lode_guard_design(lode_guard_config_t *config, const lode_inverter_config_t
     }
 #ifdef LODE_WITHOUT_PLAUSIBILITY
     config->overload_s = lode_given_or(config->overload_s, LODE_NONE);
+    config->flux_share = lode_given_or(config->flux_share, LODE_NONE);
 #else
     config->overload_s = lode_given_or(config->overload_s, OVERLOAD_s);
+    config->flux_share = lode_given_or(config->flux_share, FLUX_SHARE);
 #endif
+    config->check_stuck =
+        config->check_stuck == LODE_AUTO ? config->plausibility : config->check_stuck;
+    config->check_gain =
+        config->check_gain == LODE_AUTO ? config->plausibility : config->check_gain;
+    config->check_half_waves =
+        config->check_half_waves == LODE_AUTO ? config->plausibility : config->check_half_waves;
 }
 
 static lode_status_t check_limits(const lode_guard_config_t *config,

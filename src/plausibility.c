@@ -67,6 +67,10 @@
 #define JUMP_REST_PERIODS 62u
 #define JUMP_BYTE 255u // largest value of its byte counters
 
+// Range of flux_share, and what no flux exceeds: not checked.
+#define FLUX_LEAST 0.1f
+#define FLUX_MOST 1.0f
+#define FLUX_ANY 1.0e6f
 #define OVERLOAD_MAX_s 10.0f
 // Share of the acceleration of a free rotor by all the torque (K19): a load that is hardly larger than the torque, or one with
 // ripple, may move the speed this fast.
@@ -88,12 +92,22 @@
 lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
                                      const lode_guard_config_t *config, float i_max_A,
                                      const lode_sense_tuning_t *sense) {
-    if (!lode_is_on_or_off(config->plausibility)) {
+    if (!lode_is_on_or_off(config->plausibility) || !lode_is_on_or_off(config->check_stuck) ||
+        !lode_is_on_or_off(config->check_gain) || !lode_is_on_or_off(config->check_half_waves)) {
         return LODE_ERROR_CHOICE;
     }
+    const bool flux = !lode_is_none(config->flux_share);
+    if (flux && !lode_in_range(config->flux_share, FLUX_LEAST, FLUX_MOST)) {
+        return LODE_ERROR_GUARD_FLUX;
+    }
+    const bool on = config->plausibility == LODE_ON;
 #ifdef LODE_WITHOUT_PLAUSIBILITY
-    if (config->plausibility == LODE_ON) {
+    if (on || config->check_stuck == LODE_ON || config->check_gain == LODE_ON ||
+        config->check_half_waves == LODE_ON) {
         return LODE_ERROR_CHOICE;
+    }
+    if (flux) {
+        return LODE_ERROR_GUARD_FLUX;
     }
 #endif
     const bool sums = !lode_is_none(config->i_sum_A);
@@ -107,12 +121,14 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
     const float frozen_A = FROZEN_COUNTS * count_A;
     const float moves_A = lode_max(MOVES_COUNTS * count_A, i_min_A);
     *tuning = (lode_plausibility_tuning_t){
-        .frozen_A2 = config->plausibility == LODE_ON ? frozen_A * frozen_A : -1.0f,
+        .frozen_A2 = on && config->check_stuck == LODE_ON ? frozen_A * frozen_A : -1.0f,
         .moves_A2 = moves_A * moves_A,
         .i_min_A2 = i_min_A * i_min_A,
         .i_still = 0,
-        .i_sum = config->plausibility == LODE_ON ? (int32_t)i_sum : -1,
-        .per_wave_A = config->plausibility == LODE_ON ? WAVE_SHARE / lode_abs(sense->i_gain) : 0.0f,
+        .i_sum = on ? (int32_t)i_sum : -1,
+        .per_wave_A =
+            on && config->check_half_waves == LODE_ON ? WAVE_SHARE / lode_abs(sense->i_gain) : 0.0f,
+        .flux_share = on && flux ? config->flux_share : FLUX_ANY,
     };
     return LODE_OK;
 }
@@ -148,7 +164,8 @@ void lode_plausibility_tune_voltages(lode_plausibility_tuning_t *tuning,
                                      float taken_V) {
     const float jump_V = JUMP_SHARE * i_max_V;
     tuning->taken_V = taken_V;
-    tuning->jump_V2 = config->plausibility == LODE_ON ? jump_V * jump_V : FLT_MAX;
+    const bool on = config->plausibility == LODE_ON && config->check_gain == LODE_ON;
+    tuning->jump_V2 = on ? jump_V * jump_V : FLT_MAX;
 }
 
 // (K29). The step of (K19) is AWAY_SHARE of a free rotor's change of speed by all the torque in a round.

@@ -9,6 +9,11 @@ LODE_INLINE bool lode_plausibility_is_on(const lode_plausibility_tuning_t *tunin
     return tuning->i_sum >= 0;
 }
 
+// Counts that keep still are checked, and vectors.
+LODE_INLINE bool lode_plausibility_has_stuck(const lode_plausibility_tuning_t *tuning) {
+    return tuning->frozen_A2 >= 0.0f;
+}
+
 // The half-waves of three phases are checked, in START and in RUN.
 LODE_INLINE bool lode_plausibility_has_waves(const lode_plausibility_tuning_t *tuning) {
     return tuning->per_wave_A > 0.0f;

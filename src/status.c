@@ -75,6 +75,7 @@ const char *lode_status_name(lode_status_t status) {
         NAME(LODE_ERROR_GUARD_TEMPERATURE);
         NAME(LODE_ERROR_GUARD_SPEED);
         NAME(LODE_ERROR_GUARD_TIME);
+        NAME(LODE_ERROR_GUARD_FLUX);
         NAME(LODE_ERROR_HFI_MODE);
         NAME(LODE_ERROR_HFI_SALIENCY);
         NAME(LODE_ERROR_HFI_VOLTAGE);

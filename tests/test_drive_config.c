@@ -88,6 +88,7 @@ static const field_t open_fields[] = {
     OPEN(guard.bus_s, TS, 10.0f, LODE_ERROR_GUARD_TIME),
     OPEN(guard.lock_s, TS, 10.0f, LODE_ERROR_GUARD_TIME),
     OPEN(guard.overload_s, TS, 10.0f, LODE_ERROR_GUARD_TIME),
+    OPEN(guard.flux_share, 0.1f, 1.0f, LODE_ERROR_GUARD_FLUX),
     OPEN(guard.bus_still_s, 0.0f, 524280.0f * TS, LODE_ERROR_GUARD_TIME),
     OPEN(guard.temperature_still_s, 0.0f, 524280.0f * TS, LODE_ERROR_GUARD_TIME),
 };
@@ -462,6 +463,13 @@ static void test_enumerators(void) {
     config = minimal();
     config.speed.every_period = (lode_choice_t)9;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, try_config(&config));
+    for (int n = 0; n < 3; n++) {
+        config = minimal();
+        lode_choice_t *const checks[] = {&config.guard.check_stuck, &config.guard.check_gain,
+                                         &config.guard.check_half_waves};
+        *checks[n] = (lode_choice_t)9;
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_CHOICE, try_config(&config));
+    }
 }
 
 static void test_pole_pairs(void) {

@@ -404,6 +404,48 @@ static void test_the_observers_lag_is_no_other_flux(void) {
     CHECK_CLOSE(0.05, rig.motor.psi, weak.measured);
 }
 
+/// A drive with other limits, and a rotor that has lost 35 % of its flux.
+static lode_check_t with_flux_share(float share) {
+    lode_drive_config_t config = rig_config();
+    config.guard.flux_share = share;
+    rig_t rig;
+    rig_init(&rig, &other_tuning, &config);
+    rig.load_Nm = 0.5;
+    run_up(&rig, 100.0, 8.0);
+    rig_run(&rig, 1.0);
+    return (lode_check_t)with_less_flux(rig, 0.35).check;
+}
+
+static void test_how_much_another_flux_is_can_be_chosen(void) {
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_FLUX, with_flux_share(0.2f));
+    TEST_ASSERT_NOT_EQUAL(LODE_CHECK_FLUX, with_flux_share(0.5f));
+    TEST_ASSERT_NOT_EQUAL(LODE_CHECK_FLUX, with_flux_share(LODE_NONE));
+}
+
+/// All three keep their counts, with and without noise.
+static void test_the_check_of_stuck_channels_is_a_choice(void) {
+    lode_drive_config_t config = rig_config();
+    config.guard.check_stuck = LODE_OFF;
+    config.guard.check_gain = LODE_OFF;
+    rig_t running;
+    rig_init(&running, &other_tuning, &config);
+    running.load_Nm = 1.5;
+    run_up(&running, 100.0, 8.0);
+    rig_run(&running, 1.0);
+    const lode_counts_t held = rig_counts(&running);
+    for (int stuck = 1; stuck <= NOISY; stuck++) {
+        rig_t rig = running;
+        double time_s;
+        double most_A;
+        run_stuck(&rig, stuck, &held, &time_s, &most_A);
+        const lode_check_t found = (lode_check_t)rig_telemetry(&rig).fault.check;
+        TEST_ASSERT_NOT_EQUAL(LODE_CHECK_CURRENT_STUCK, found);
+        if (stuck <= 3) { // their sum is watched still
+            TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_SUM", lode_check_name(found));
+        }
+    }
+}
+
 /// In RUN one phase shows nothing of its current, as if it were open, and the others share what it lacks. Until the drive
 /// trips, or for half a second. The load takes a third of i_max. `levels` of counts that noise makes of no current.
 static lode_fault_t without_a_phase(const lode_drive_config_t *config, int phase, double after_s,
@@ -430,11 +472,11 @@ static lode_fault_t without_a_phase(const lode_drive_config_t *config, int phase
     return rig_telemetry(&rig).fault;
 }
 
-static lode_fault_t with_an_open_phase(int phase, double after_s, lode_choice_t plausibility,
+static lode_fault_t with_an_open_phase(int phase, double after_s, lode_choice_t checked,
                                        double *took_s) {
     lode_drive_config_t config = rig_config();
     config.guard.i_sum_A = LODE_NONE; // of a real one the sum is zero
-    config.guard.plausibility = plausibility;
+    config.guard.check_half_waves = checked;
     return without_a_phase(&config, phase, after_s, 3, took_s);
 }
 
@@ -1206,6 +1248,8 @@ int main(void) {
     RUN_TEST(test_what_the_phases_should_show);
     RUN_TEST(test_another_flux_is_named);
     RUN_TEST(test_another_flux_is_one_at_every_look);
+    RUN_TEST(test_how_much_another_flux_is_can_be_chosen);
+    RUN_TEST(test_the_check_of_stuck_channels_is_a_choice);
     RUN_TEST(test_a_lost_lock_is_that_of_a_suspected_phase);
     RUN_TEST(test_the_observers_lag_is_no_other_flux);
     RUN_TEST(test_a_phase_that_opens_in_run_is_found);

@@ -36,7 +36,11 @@ static lode_guard_config_t sound(void) {
                                  .temperature_min_degC = -30.0f,
                                  .i_sum_A = 1.8f,
                                  .overload_s = 0.05f,
+                                 .flux_share = 0.3f,
                                  .plausibility = LODE_OFF,
+                                 .check_stuck = LODE_ON,
+                                 .check_gain = LODE_OFF,
+                                 .check_half_waves = LODE_ON,
                                  .omega_max_rad_s = 1500.0f,
                                  .bus_s = 1.0e-3f,
                                  .lock_s = 15.0e-3f,
@@ -765,7 +769,16 @@ static void test_design_fills_what_is_open(void) {
     CHECK_CLOSE(1.0e-6, -40.0, config.temperature_min_degC);
     CHECK_CLOSE(1.0e-6, 0.15 * 12.0, config.i_sum_A);
     CHECK_CLOSE(1.0e-6, 0.03, config.overload_s);
+    CHECK_CLOSE(1.0e-6, 0.2, config.flux_share);
     TEST_ASSERT_EQUAL_INT(LODE_ON, config.plausibility);
+    TEST_ASSERT_EQUAL_INT(LODE_ON, config.check_stuck);
+    TEST_ASSERT_EQUAL_INT(LODE_ON, config.check_gain);
+    TEST_ASSERT_EQUAL_INT(LODE_ON, config.check_half_waves);
+    lode_guard_config_t without = {.plausibility = LODE_OFF};
+    lode_guard_design(&without, &inverter, &estimator);
+    TEST_ASSERT_EQUAL_INT(LODE_OFF, without.check_stuck);
+    TEST_ASSERT_EQUAL_INT(LODE_OFF, without.check_gain);
+    TEST_ASSERT_EQUAL_INT(LODE_OFF, without.check_half_waves);
     TEST_ASSERT_EQUAL_FLOAT(0.0f, config.stamp_per_period);
     const lode_guard_config_t all = sound();
     lode_guard_config_t kept = all;

@@ -14,7 +14,13 @@ void tearDown(void) {}
 #define SUM_CHECKS 18u // 15 ms
 
 static lode_guard_config_t sound_config(void) {
-    return (lode_guard_config_t){.lock_s = 15.0e-3f, .i_sum_A = 1.8f, .plausibility = LODE_ON};
+    return (lode_guard_config_t){.lock_s = 15.0e-3f,
+                                 .i_sum_A = 1.8f,
+                                 .plausibility = LODE_ON,
+                                 .flux_share = 0.2f,
+                                 .check_stuck = LODE_ON,
+                                 .check_gain = LODE_ON,
+                                 .check_half_waves = LODE_ON};
 }
 
 static lode_status_t tune(lode_plausibility_tuning_t *tuning, const lode_guard_config_t *config) {

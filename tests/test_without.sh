@@ -87,6 +87,18 @@ int main(void) {
     config.guard.overload_s = 0.1f;
     say("overload", config);
     config.guard.overload_s = 0.0f;
+    config.guard.flux_share = 0.3f;
+    say("flux", config);
+    config.guard.flux_share = 0.0f;
+    config.guard.check_stuck = LODE_ON;
+    say("stuck", config);
+    config.guard.check_stuck = LODE_AUTO;
+    config.guard.check_gain = LODE_ON;
+    say("gain", config);
+    config.guard.check_gain = LODE_AUTO;
+    config.guard.check_half_waves = LODE_ON;
+    say("half-waves", config);
+    config.guard.check_half_waves = LODE_AUTO;
     config.inverter.precharge_s = 0.01f;
     say("precharge", config);
     config.inverter.precharge_s = 0.0f;
@@ -132,7 +144,7 @@ refuses() {
     "$object" > "$said"
     refused=$(sed -n '/ LODE_OK$/!p' "$said" | tr '\n' ' ')
     [ "$refused" = "$2" ] || { echo "built with '$1', refused: $refused, expected: $2"; exit 1; }
-    [ "$(grep -c . "$said")" = 23 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
+    [ "$(grep -c . "$said")" = 27 ] || { echo "built with '$1', the program says:"; cat "$said"; exit 1; }
 }
 references=LODE_ERROR_REFERENCES
 window=LODE_ERROR_SENSE_WINDOW
@@ -141,7 +153,8 @@ weakening="weakening $references "
 optimal="mtpa $references weakening $references regen $references "
 notch="notch LODE_ERROR_NOTCH "
 phases="window $window shunts $window "
-plausibility="plausibility LODE_ERROR_CHOICE still LODE_ERROR_GUARD_TIME overload LODE_ERROR_GUARD_TIME "
+plausibility="plausibility LODE_ERROR_CHOICE still LODE_ERROR_GUARD_TIME overload LODE_ERROR_GUARD_TIME \
+flux LODE_ERROR_GUARD_FLUX stuck LODE_ERROR_CHOICE gain LODE_ERROR_CHOICE half-waves LODE_ERROR_CHOICE "
 injection="hfi LODE_ERROR_HFI_MODE "
 precharge="precharge LODE_ERROR_PRECHARGE "
 signals="signals LODE_ERROR_CHOICE "

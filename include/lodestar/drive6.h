@@ -73,8 +73,10 @@ typedef struct {
     lode_sense_t sense_2;
     lode_shorted_t shorted_2;
     lode_inverter_t inverter_2;
+#ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_plausibility_t plausibility_2;
     lode_frozen_t frozen_2;
+#endif
     lode_sense_sums_t sums_2;
     lode_abc_t duty_2;
     lode_ab_t i_xy_A;

@@ -91,6 +91,15 @@ typedef struct {
     /// of rated speed for three times as long, or for the run-up time to rated speed if that is longer (K42). 0: 0.03;
     /// LODE_NONE: not checked
     float overload_s;
+    /// FLUX: in RUN the observed flux may differ by this share of the magnets' flux, and by what wrong parameters
+    /// explain (P25), 0.1 .. 1. 0: 0.2; LODE_NONE: not checked
+    float flux_share;
+    /// single checks of `plausibility`; auto: on
+    lode_choice_t check_stuck; ///< CURRENT_STUCK: counts that keep still, and a frozen vector (K36)
+    lode_choice_t
+        check_gain; ///< CURRENT_GAIN, CURRENT_STUCK: a current that changes at once by a factor (K38)
+    lode_choice_t
+        check_half_waves; ///< OPEN_PHASE with three phases: a phase without a half-wave (K24)
 } lode_guard_config_t;
 
 /// Limits and debounce counts derived from the configuration.

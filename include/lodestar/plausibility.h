@@ -23,7 +23,7 @@ typedef struct {
     int32_t
         i_sum; ///< largest sum of the three currents, 1/256 count; below 0: no checks of the currents
     float per_wave_A; ///< least half-wave per ampere of reference, 1/256 count; 0: not checked
-    /// largest movement of a frozen vector by noise, squared (K36); below 0: not checked
+    /// largest movement of a frozen vector by noise, squared (K36); below 0: neither it nor the counts are checked
     float frozen_A2;
     float moves_A2;                 ///< least change of the reference for that check, squared
     lode_open_phase_tuning_t waves; ///< half-waves in RUN (K24)
@@ -35,6 +35,7 @@ typedef struct {
     /// least jump of the current that is judged, as the voltage that would cause it in one period, squared (K38)
     float jump_V2;
     uint32_t stall_rounds; ///< looks after which that is a fault; 0: not checked
+    float flux_share;      ///< of the magnets' flux, by which the observed one may be off (P25)
 } lode_plausibility_tuning_t;
 
 /// Half-wave check in START, where the vector is steady. In 1.1 turns of a vector of at least 2 sqrt(i_min_A2),

@@ -185,6 +185,7 @@ static const refusal_t refusals[] = {
      "bus_still_s 0 .. "
      "524280 "
      "periods, overload_s 1 period .. 10 s or none"},
+    {LODE_ERROR_GUARD_FLUX, "guard.flux_share", NULL, "0.1 .. 1 or none"},
 };
 
 static const refusal_t *find(lode_status_t status) {

@@ -188,7 +188,11 @@ static const rig_key_t keys[] = {
     FLOAT("guard", "bus_still_s", guard.bus_still_s),
     FLOAT_OR_NONE("guard", "overload_s", guard.overload_s),
     FLOAT_OR_NONE("guard", "i_sum_A", guard.i_sum_A),
+    FLOAT_OR_NONE("guard", "flux_share", guard.flux_share),
     CHOICE("guard", "plausibility", drive.guard.plausibility, "auto|on|off", NULL),
+    CHOICE("guard", "check_stuck", drive.guard.check_stuck, "auto|on|off", NULL),
+    CHOICE("guard", "check_gain", drive.guard.check_gain, "auto|on|off", NULL),
+    CHOICE("guard", "check_half_waves", drive.guard.check_half_waves, "auto|on|off", NULL),
     CHOICE("guard", "open_phase", six.open_phase, "trip|go-on|ignore", NULL),
 
     NUMBER("supervisor", "attempts", supervisor.attempts, 0.0, 255.0),

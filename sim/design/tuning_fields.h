@@ -193,7 +193,8 @@
     ROW(FLOAT, float, plausibility.stall_rad_s) \
     ROW(FLOAT, float, plausibility.taken_V) \
     ROW(FLOAT, float, plausibility.jump_V2) \
-    ROW(WHOLE, uint32_t, plausibility.stall_rounds)
+    ROW(WHOLE, uint32_t, plausibility.stall_rounds) \
+    ROW(FLOAT, float, plausibility.flux_share)
 
 #define TUNING6_FIELDS(ROW) \
     ROW(FLOAT, float, xy.pi.kp) \
@@ -344,7 +345,11 @@
     ROW(CHOICE, lode_choice_t, guard.plausibility) \
     ROW(FLOAT, float, guard.temperature_still_s) \
     ROW(FLOAT, float, guard.bus_still_s) \
-    ROW(FLOAT, float, guard.overload_s)
+    ROW(FLOAT, float, guard.overload_s) \
+    ROW(FLOAT, float, guard.flux_share) \
+    ROW(CHOICE, lode_choice_t, guard.check_stuck) \
+    ROW(CHOICE, lode_choice_t, guard.check_gain) \
+    ROW(CHOICE, lode_choice_t, guard.check_half_waves)
 
 #define CONFIG6_FIELDS(ROW) \
     ROW(FLOAT, float, Lxy_H) \

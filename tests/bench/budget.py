@@ -50,6 +50,16 @@ STEPS = {
     "fault": (190, 30),  # around the trip, from period 200 on
     "off": (WARM, CALLS),
 }
+# Plausibility checks: what each finds, its setting, its step without it, its state.
+CHECKS = [("ADC channels that are stuck, frozen vector", "check_stuck = off", "without_stuck",
+           ["lode_plausibility_t", "lode_frozen_t"]),
+          ("gains that change at once", "check_gain = off", "without_gain", ["lode_jump_t"]),
+          ("phase without a half-wave", "check_half_waves = off", "without_half_waves", ["lode_half_waves_t"]),
+          ("sum of the currents", "i_sum_A = none", "without_sum", []),
+          ("load beyond all torque", "overload_s = none", "without_overload", ["lode_load_t"]),
+          ("flux", "flux_share = none", "without_flux", []),
+          ("all of them", "plausibility = off", "unwatched", [])]
+WITH_CHECKS = "-DBENCH_CHECKS"
 STEPS6 = ["c_leso_qpll", "fa_leso_leso_qpll", "enhanced"]
 PHASES = {"steady": "enhanced", "start at standstill": "rise", "start, hand-over": "start",
           "limit of current, of voltage": "saturated", "over-voltage, trip, fault": "fault",
@@ -140,8 +150,18 @@ def measure_objects():
     return found
 
 
+def measure_checks():
+    machine = count.start(Image(build.image("m4f", "-O2", build.recording(WITH_CHECKS), WITH_CHECKS)))
+    found = {}
+    for _, _, name, types in CHECKS:
+        step = count.measure(machine, f"bench_step_{name}", "lode_drive_step", CALLS, WARM)
+        found[name] = {"cycles": step["cycles"], "state": sum(sizes.object_sizes(build.objects(types)).values())}
+    return found
+
+
 def measure_others(figures, tables):
     figures["levels"], figures["cores"] = {}, {}
+    figures["checks"] = measure_checks()
     for level in LEVELS:
         machine = count.start(Image(build.image("m4f", level, tables)))
         figures["levels"][level] = measure_steps(machine, COMPARED)
@@ -264,6 +284,15 @@ def fit_table(figures):
     return table(["chip", "core", "MHz", *(f"{rate} kHz" for rate in RATES_kHz), "basis"], rows)
 
 
+def check_table(figures):
+    cycles, rows = figures["steps"]["enhanced"]["cycles"], []
+    for what, setting, name, _ in CHECKS:
+        without = figures["checks"][name]["cycles"]
+        rows.append([what, f"`{setting}`", f"{cycles['avg'] - without['avg']:.0f}", cycles["max"] - without["max"],
+                     figures["checks"][name]["state"] or ""])
+    return table(["check", "off by `guard.`", "mean cycles", "costliest call", "state B"], rows)
+
+
 def memory_table(figures):
     firmware, steps = figures["firmware"], figures["steps"]
     three_phases, six = firmware["m4f -O2"], firmware["m4f -O2, six phases"]
@@ -340,7 +369,7 @@ def peer_table(figures):
 
 
 TABLES = {"fit": fit_table, "memory": memory_table, "bars": bar_table, "aims": aim_table,
-          "kinds": kind_table, "parts": part_table, "peers": peer_table,
+          "checks": check_table, "kinds": kind_table, "parts": part_table, "peers": peer_table,
           "steps": step_table, "steps6": step6_table, "phases": phase_table,
           "blocks": block_table, "levels": level_table,
           "cores": core_table, "firmware": firmware_table, "objects": object_table}

@@ -70,12 +70,12 @@ def includes():
     return ["-I", ROOT / "include", "-I", ROOT / "src", "-I", HERE]
 
 
-def recording():
+def recording(*options):
     """The ADC results of closed-loop runs on this machine, as C tables."""
     OUT.mkdir(parents=True, exist_ok=True)
-    program, tables = OUT / "record", OUT / "recording.c"
+    program, tables = OUT / "record", OUT / f"recording{''.join(options)}.c"
     sources = [HERE / name for name in ("record.c", "record6.c", "motor.c", "drives.c", "drives6.c")]
-    run("cc", "-std=c99", "-O2", *FLOAT, *includes(), *sources, *core_sources(), "-lm", "-o", program)
+    run("cc", "-std=c99", "-O2", *FLOAT, *includes(), *options, *sources, *core_sources(), "-lm", "-o", program)
     tables.write_text(run(program))
     return tables
 
@@ -87,12 +87,12 @@ def link(core, level, out, sources, *options):
     return out
 
 
-def image(core="m4f", level="-O2", tables=None):
+def image(core="m4f", level="-O2", tables=None, *options):
     name = f"lodestar-bench-{core}{'' if level == '-O2' else level}.elf"
     sources = [HERE / f for f in ("image.c", "blocks.c", "drives.c", "drives6.c")] + core_sources()
     if core != "r5f":
         sources.append(HERE / "qemu.c")
-    return link(core, level, OUT / name, [*sources, tables or recording()], DEBUG)
+    return link(core, level, OUT / name, [*sources, tables or recording()], DEBUG, *options)
 
 
 def firmware(core="m4f", level="-O2", options=ONE_OBSERVER, phases=3):

@@ -5,7 +5,13 @@ typedef enum {
     OPTIONS_NOTCH,
     OPTIONS_ALL,
     OPTIONS_FAST,
-    OPTIONS_UNWATCHED
+    OPTIONS_UNWATCHED,
+    OPTIONS_NO_STUCK,
+    OPTIONS_NO_GAIN,
+    OPTIONS_NO_HALF_WAVES,
+    OPTIONS_NO_SUM,
+    OPTIONS_NO_OVERLOAD,
+    OPTIONS_NO_FLUX
 } options_t;
 typedef enum { MACHINE_ROUND, MACHINE_SALIENT, MACHINE_BOARD, MACHINE_MTPA } machine_t;
 
@@ -54,6 +60,38 @@ float bench_omega_rad_s(int32_t number) {
     return bench_scene(number) == BENCH_INJECTING ? BENCH_OMEGA_LOW_rad_s : BENCH_OMEGA_rad_s;
 }
 
+static void leave_out_check(lode_guard_config_t *guard, options_t options) {
+    switch (options) {
+    case OPTIONS_UNWATCHED:
+        guard->plausibility = LODE_OFF;
+        break;
+    case OPTIONS_NO_STUCK:
+        guard->check_stuck = LODE_OFF;
+        break;
+    case OPTIONS_NO_GAIN:
+        guard->check_gain = LODE_OFF;
+        break;
+    case OPTIONS_NO_HALF_WAVES:
+        guard->check_half_waves = LODE_OFF;
+        break;
+    case OPTIONS_NO_SUM:
+        guard->i_sum_A = LODE_NONE;
+        break;
+    case OPTIONS_NO_OVERLOAD:
+        guard->overload_s = LODE_NONE;
+        break;
+    case OPTIONS_NO_FLUX:
+        guard->flux_share = LODE_NONE;
+        break;
+    case OPTIONS_PLAIN:
+    case OPTIONS_NOTCH:
+    case OPTIONS_ALL:
+    case OPTIONS_FAST:
+    default:
+        break;
+    }
+}
+
 static void add_options(lode_drive_config_t *config, options_t options) {
     if (options != OPTIONS_PLAIN) {
         config->estimator.notch_k = 0.7f;
@@ -65,9 +103,7 @@ static void add_options(lode_drive_config_t *config, options_t options) {
         config->inverter.r_on_Ohm = 1.0e-3f;
         config->guard.stamp_per_period = (float)BENCH_STAMP_PER_PERIOD;
     }
-    if (options == OPTIONS_UNWATCHED) {
-        config->guard.plausibility = LODE_OFF;
-    }
+    leave_out_check(&config->guard, options);
     if (options == OPTIONS_FAST) { // more than 125 rad/s ask for every fourth period of 10 kHz
         config->speed.bandwidth_rad_s = 150.0f;
     }

@@ -67,8 +67,21 @@ typedef enum {
     X(board_injecting, INJECTING, C_LESO, LESO, NOTCH, BOARD)
 #endif
 
+/// `enhanced` without one of the plausibility checks, for what each costs.
+#ifdef BENCH_CHECKS
+#define BENCH_CHECKS_CASES(X)                                                                      \
+    X(without_stuck, STEADY, C_LESO, LESO, NO_STUCK, ROUND)                                        \
+    X(without_gain, STEADY, C_LESO, LESO, NO_GAIN, ROUND)                                          \
+    X(without_half_waves, STEADY, C_LESO, LESO, NO_HALF_WAVES, ROUND)                              \
+    X(without_sum, STEADY, C_LESO, LESO, NO_SUM, ROUND)                                            \
+    X(without_overload, STEADY, C_LESO, LESO, NO_OVERLOAD, ROUND)                                  \
+    X(without_flux, STEADY, C_LESO, LESO, NO_FLUX, ROUND)
+#else
+#define BENCH_CHECKS_CASES(X)
+#endif
+
 /// name, scene, EMF observer, PLL, options: notch at 6 w / everything that costs / speed control as fast
-/// as in every fourth period / the notch, but no look at the currents' plausibility, machine: without or
+/// as in every fourth period / the notch, but no look at the currents' plausibility, or not at one thing, machine: without or
 /// with saliency / with it on a board / there with MTPA and field weakening
 #define BENCH_CASES(X)                                                                             \
     X(c_leso_qpll, STEADY, C_LESO, QPLL, PLAIN, ROUND)                                             \
@@ -81,6 +94,7 @@ typedef enum {
     X(board_mtpa, STEADY, C_LESO, LESO, NOTCH, MTPA)                                               \
     X(unwatched, STEADY, C_LESO, LESO, UNWATCHED, ROUND)                                           \
     X(board_unwatched, STEADY, C_LESO, LESO, UNWATCHED, BOARD)                                     \
+    BENCH_CHECKS_CASES(X)                                                                          \
     BENCH_INJECTING_CASES(X)                                                                       \
     X(fast_speed, STEADY, C_LESO, LESO, FAST, ROUND)                                               \
     X(rise, RISE, C_LESO, LESO, NOTCH, ROUND)                                                      \

@@ -170,6 +170,7 @@ REFUSALS = {
     "XY_BANDWIDTH": ["xy.bandwidth_rad_s=1e5 motor.sets=2 motor.Lxy_H=1e-3"],
     "XY_VOLTAGE": ["xy.voltage_share=1 motor.sets=2 motor.Lxy_H=1e-3"],
     "GUARD_CURRENT": ["guard.i_trip_A=5", "guard.i_trip_A=1000", "guard.i_sum_A=1000"],
+    "GUARD_FLUX": ["guard.flux_share=0.05"],
     "GUARD_BUS": ["guard.v_bus_max_V=100", "guard.v_bus_min_V=300"],
     "GUARD_TEMPERATURE": ["guard.temperature_max_degC=1e4", "guard.temperature_min_degC=200"],
     "GUARD_SPEED": ["guard.omega_max_rad_s=1e7"],
@@ -225,7 +226,7 @@ def words_are_not_said_for_numbers(checks, folder):
     or_none += re.findall(r'PLAIN\("(\w+)", "(\w+)", \S+, RIG_KEY_FLOAT_OR_NONE\)', keys)
     or_word = re.findall(r'NUMBER_OR\("(\w+)", "(\w+)", \S+, \S+, \S+, "(\w+)"\)', keys)
     or_word += [("phase.start", *found) for found in re.findall(r'PHASE_NUMBER_OR\("(\w+)", .*"(\w+)"\)', keys)]
-    checks.equal((len(or_none), len(or_word)), (10, 3), "keys with a word")
+    checks.equal((len(or_none), len(or_word)), (11, 3), "keys with a word")
     for section, key in or_none:
         more = BELOW_ZERO.get(f"{section}.{key}", "").split()
         for typed in ("-5", "-2.5", "-1e30"):
