@@ -197,8 +197,8 @@ LODE_INLINE float turn_of(lode_drive_t *self, const lode_plausibility_t *watch, 
     if (lode_mode(self) != LODE_MODE_START) {
         return turn_rad;
     }
-    const int32_t set = watch == &self->plausibility ? 0 : 1;
-    return turn_rad + lode_start_shifted_rad(&self->state.start, set);
+    const bool second = watch != &self->plausibility;
+    return turn_rad + lode_start_shifted_rad(&self->state.start, second);
 }
 
 // Decides on three phases that have kept their counts. A current that need not follow may rest at zero for a while, held by

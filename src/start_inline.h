@@ -96,15 +96,15 @@ LODE_INLINE float lode_start_shift_rad(const lode_start_t *self) {
                       LODE_START_SHIFT_MAX_rad);
 }
 
-// Change of this angle since the last call for the same set, 0 or 1, rad.
-LODE_INLINE float lode_start_shifted_rad(lode_start_t *self, int32_t set) {
+// Change of this angle since the last call for the same set, rad.
+LODE_INLINE float lode_start_shifted_rad(lode_start_t *self, bool second) {
     if (self->stage != (uint_least8_t)LODE_START_TURN) {
         return 0.0f;
     }
-    const float before_rad = self->seen.turn.shift_rad[set];
-    const float now_rad = lode_start_shift_rad(self);
-    self->seen.turn.shift_rad[set] = now_rad;
-    return now_rad - before_rad;
+    float *shift_rad = &self->seen.turn.shift_rad[second ? 1 : 0];
+    const float before_rad = *shift_rad;
+    *shift_rad = lode_start_shift_rad(self);
+    return *shift_rad - before_rad;
 }
 
 // The vector including the damping. At the end of the shift's range the angle is off by 1e-3 rad and the length by 0.3

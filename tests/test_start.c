@@ -1546,21 +1546,21 @@ static void test_a_vector_turns_by_its_damping_too(void) {
     lode_start_reset(&start, (lode_sincos_t){0.0f, 1.0f}, 10.0f, 1.0f);
     start.give = 2.0f;
     start.swing_V = -0.1f;
-    CHECK_NEAR(1.0e-6, 0.2, (double)lode_start_shifted_rad(&start, 0));
-    CHECK_NEAR(1.0e-6, 0.0, (double)lode_start_shifted_rad(&start, 0));
+    CHECK_NEAR(1.0e-6, 0.2, (double)lode_start_shifted_rad(&start, false));
+    CHECK_NEAR(1.0e-6, 0.0, (double)lode_start_shifted_rad(&start, false));
     start.swing_V = 0.05f;
-    CHECK_NEAR(1.0e-6, -0.3, (double)lode_start_shifted_rad(&start, 0));
+    CHECK_NEAR(1.0e-6, -0.3, (double)lode_start_shifted_rad(&start, false));
     const lode_start_config_t config = sound();
     const lode_start_tuning_t tuning = tuned(&config);
     start.swing_V = -0.2f;
     aim(&start, &tuning, 0.0f, 0.0f); // nor is a stop a stage that begins
     const double turned = (double)lode_start_shift_rad(&start) + 0.1;
     CHECK_AT_LEAST(0.11, turned);
-    CHECK_NEAR(1.0e-6, turned, (double)lode_start_shifted_rad(&start, 0));
+    CHECK_NEAR(1.0e-6, turned, (double)lode_start_shifted_rad(&start, false));
     CHECK_NEAR(1.0e-6, turned - 0.1,
-               (double)lode_start_shifted_rad(&start, 1)); // each set by itself
+               (double)lode_start_shifted_rad(&start, true)); // each set by itself
     start.stage = (uint_least8_t)LODE_START_HALF;
-    TEST_ASSERT_TRUE(lode_start_shifted_rad(&start, 0) == 0.0f);
+    TEST_ASSERT_TRUE(lode_start_shifted_rad(&start, false) == 0.0f);
 }
 
 static void test_measuring_is_a_choice(void) {
@@ -1679,7 +1679,7 @@ static void test_a_stage_begins_anew(void) {
     }
     TEST_ASSERT_EQUAL_INT(LODE_START_TURN, start.stage);
     TEST_ASSERT_TRUE(lode_abs(lode_start_shift_rad(&start)) > 0.05f);
-    CHECK_NEAR(1.0e-6, 0.0, lode_start_shifted_rad(&start, 0));
+    CHECK_NEAR(1.0e-6, 0.0, lode_start_shifted_rad(&start, false));
     TEST_ASSERT_EQUAL_UINT(0u, start.seen.turn.waves.seen);
     CHECK_NEAR(0.0, 0.0, start.seen.turn.waves.turn_rad);
     // An attempt that begins at rest takes the current away: it has not fallen.
