@@ -280,6 +280,7 @@ static LODE_NOINLINE void go_on_alone(lode_drive6_t *self, lode_active_t active,
     lode_drive_t *drive = &self->drive;
     const lode_sincos_t rotor = lode_estimator_rotor(&drive->estimator);
     select_sets(self, active);
+    drive->steady = false; // the set's speed control may have another rate
     lode_estimator_set_current(&drive->estimator, i_A);
     drive->i_A = lode_park(i_A, rotor);
     const float omega = drive->estimator.pll.omega_rad_s;

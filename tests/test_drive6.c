@@ -771,6 +771,24 @@ static void test_what_goes_on_goes_by_its_own_set(void) {
     }
 }
 
+/// One set may have the higher base speed, and then its speed control another rate.
+static void test_the_set_that_is_left_may_have_another_rate_of_speed_control(void) {
+    const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
+    rig6_t sound = turning(&config, 600.0, LOAD_Nm);
+    TEST_ASSERT_EQUAL_UINT32(LODE_SLOW_PERIODS, tuning.drive.speed_periods);
+    other_tuning = tuning;
+    other_tuning.alone.speed_periods = LODE_SLOW_PERIODS / 2u;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_post_tuning(&sound.drive, &other_tuning));
+    for (int phase = 1; phase <= 6; phase++) {
+        rig6_t rig = sound;
+        rig.open = phase;
+        rig6_run(&rig, 0.5);
+        TEST_ASSERT_EQUAL_INT(phase, rig6_telemetry(&rig).open);
+        TEST_ASSERT_EQUAL_STRING("LODE_MODE_RUN",
+                                 lode_mode_name(rig6_telemetry(&rig).drive.mode));
+    }
+}
+
 static void test_a_source_that_opens_is_left(void) {
     lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
     config.source = LODE_SOURCE_SET_1;
@@ -1611,6 +1629,7 @@ int main(void) {
     RUN_TEST(test_the_other_set_drives_on);
     RUN_TEST(test_a_dead_switch_ends_a_start);
     RUN_TEST(test_what_goes_on_goes_by_its_own_set);
+    RUN_TEST(test_the_set_that_is_left_may_have_another_rate_of_speed_control);
     RUN_TEST(test_a_source_that_opens_is_left);
     RUN_TEST(test_sensors_of_the_source_that_freeze_are_found);
     RUN_TEST(test_sensors_of_one_set_that_freeze_are_found);

@@ -31,6 +31,8 @@ enum { GLIDE_STEPS = 100 };   // steps of a gradual change
 #define FOUND_s 0.05          // an open phase is found within this time ...
 #define FOUND_TURNS 1.2       // ... or this number of electrical turns, whichever is longer
 #define LOOKED_s 1.0          // observation time for a late fault
+#define ALONE_s 0.5           // a set that goes on alone has to drive on for this long ...
+#define ALONE_LOAD_SHARE 0.4  // ... with up to this load: it has half of the torque
 #define KICK_s 5.0e-3         // time after the catch in which the peak current still counts
 #define LISTED_s 0.01
 #define LISTED_SHARE 0.5
@@ -489,7 +491,12 @@ static bool open_phase(trial_t *trial) {
     }
     trial->what = what[breaks->what];
     break_leg(&trial->rig.plant, breaks);
-    return is_found(trial, turn_s);
+    if (!is_found(trial, turn_s)) {
+        return false;
+    }
+    trial->what = "on one set";
+    const bool goes_on = mode_of(trial) != LODE_MODE_FAULT;
+    return !goes_on || breaks->load_share > ALONE_LOAD_SHARE || wait(trial, ALONE_s);
 }
 
 static bool after_start(trial_t *trial, mc_test_t test) {
