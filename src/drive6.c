@@ -539,8 +539,14 @@ static LODE_NOINLINE void count_still(lode_drive6_t *self) {
     self->still = (uint_least8_t)(self->still < STILL_MOST ? self->still + 1u : STILL_MOST);
 }
 
+// Set 2 has the counts of its last check, some periods ago.
+LODE_INLINE bool set2_rests(const lode_drive6_t *self, const lode_sample_t *set_2) {
+    const int32_t *last = self->plausibility_2.i;
+    return set_2->i[0] == last[0] && set_2->i[1] == last[1] && set_2->i[2] == last[2];
+}
+
 // Numbers what is stuck. Where set 2 runs alone its currents are in the place of set 1's.
-static LODE_NOINLINE void name_stuck(lode_drive6_t *self, lode_slot_t slot) {
+static LODE_NOINLINE void name_stuck(lode_drive6_t *self, bool rests_2, lode_slot_t slot) {
     lode_fault_t *fault = &self->drive.guard.fault;
     if (fault->check != (uint_least8_t)LODE_CHECK_CURRENT_STUCK) {
         return;
@@ -551,7 +557,8 @@ static LODE_NOINLINE void name_stuck(lode_drive6_t *self, lode_slot_t slot) {
     } else if (self->active == (uint_least8_t)LODE_SETS_BOTH && !phase) {
         const bool of_1 = slot == SLOT_GUARD || slot == SLOT_GUARD_2; // the checks of its counts
         const float set = of_1 ? (float)LODE_OPEN_SET_1 : fault->measured;
-        fault->measured = all_rest(self) ? 0.0f : set;
+        const bool rests_1 = self->drive.plausibility.kept == LODE_ALL_PHASES;
+        fault->measured = rests_1 && rests_2 ? 0.0f : set;
     } else {
         // a phase, or the sensors of set 1 alone
     }
@@ -559,8 +566,15 @@ static LODE_NOINLINE void name_stuck(lode_drive6_t *self, lode_slot_t slot) {
 
 #else
 
-static void name_stuck(const lode_drive6_t *self, lode_slot_t slot) {
+LODE_INLINE bool set2_rests(const lode_drive6_t *self, const lode_sample_t *set_2) {
     (void)self;
+    (void)set_2;
+    return false;
+}
+
+static void name_stuck(const lode_drive6_t *self, bool rests_2, lode_slot_t slot) {
+    (void)self;
+    (void)rests_2;
     (void)slot;
 }
 
@@ -619,8 +633,8 @@ LODE_INLINE lode_drive6_out_t act(lode_drive6_t *self, const lode_sample6_t *sam
     }
     (void)lode_drive_slow_job(drive, drive->tuning, words_of(self->tuning), &sample->machine,
                               sample->set_2.temperature, !both, slot);
-    if (!drive->gates) {
-        name_stuck(self, slot);
+    if (!LODE_USUALLY(drive->gates)) {
+        name_stuck(self, set2_rests(self, &sample->set_2), slot);
         return end_idle(self);
     }
     drive->steps++;

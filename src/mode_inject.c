@@ -209,16 +209,20 @@ static void watch_wave(lode_drive_t *self) {
     const float least = motor->Ld_H / lode_max(motor->Lq_H, FLT_MIN);
     if (lode_plausibility_is_on(&self->tuning->plausibility) &&
         !lode_hfi_shows_wave(hfi, tuning, searches, least)) {
+        const lode_plausibility_tuning_t *checks = &self->tuning->plausibility;
         const float swing = lode_hfi_swing(hfi, tuning);
+        const bool gone = swing < STUCK_SWING;
         const bool runs = lode_mode(self) == LODE_MODE_RUN;
         const lode_open_phase_t open =
             runs ? lode_half_waves_suspect(&self->state.run.waves) : (lode_open_phase_t)0u;
         if (open > 0u) { // the wave finds no way through it
             lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)open, 0.0f);
-        } else if (swing < STUCK_SWING) {
+        } else if (gone && lode_plausibility_has_stuck(checks)) {
             lode_mode_fault(self, LODE_CHECK_CURRENT_STUCK, 0.0f, 0.0f);
-        } else {
+        } else if (!gone && lode_plausibility_has_gain(checks)) {
             lode_mode_fault(self, LODE_CHECK_CURRENT_GAIN, swing, 1.0f);
+        } else {
+            // not checked
         }
     }
 }

@@ -95,7 +95,7 @@ static LODE_NOINLINE void judge_drop(lode_drive_t *self, float change_V) {
         start->omega_rad_s * lode_min(tuning->references.Lq_H, 1.0f / tuning->references.inv_Ld);
     const float limit_Ohm = OTHER_VOLTAGE * lode_sqrt(R_Ohm * R_Ohm + X_Ohm * X_Ohm);
     const float change_Ohm = change_V / lode_max(start->current_A, FLT_MIN);
-    if (lode_plausibility_is_on(&tuning->plausibility) && change_Ohm > limit_Ohm &&
+    if (lode_plausibility_has_gain(&tuning->plausibility) && change_Ohm > limit_Ohm &&
         change_Ohm < SLIPS * limit_Ohm) {
         lode_mode_fault(self, LODE_CHECK_RESISTANCE, change_Ohm, limit_Ohm);
     }

@@ -4,6 +4,8 @@
 
 #include "lodestar/plausibility.h"
 
+#include <float.h>
+
 // The phase currents are checked.
 LODE_INLINE bool lode_plausibility_is_on(const lode_plausibility_tuning_t *tuning) {
     return tuning->i_sum >= 0;
@@ -12,6 +14,11 @@ LODE_INLINE bool lode_plausibility_is_on(const lode_plausibility_tuning_t *tunin
 // Counts that keep still are checked, and vectors.
 LODE_INLINE bool lode_plausibility_has_stuck(const lode_plausibility_tuning_t *tuning) {
     return tuning->frozen_A2 >= 0.0f;
+}
+
+// Currents that change by a factor are checked: (K38), (S43), and the wave of injection (H29).
+LODE_INLINE bool lode_plausibility_has_gain(const lode_plausibility_tuning_t *tuning) {
+    return tuning->jump_V2 < FLT_MAX;
 }
 
 // The half-waves of three phases are checked, in START and in RUN.

@@ -784,8 +784,7 @@ static void test_the_set_that_is_left_may_have_another_rate_of_speed_control(voi
         rig.open = phase;
         rig6_run(&rig, 0.5);
         TEST_ASSERT_EQUAL_INT(phase, rig6_telemetry(&rig).open);
-        TEST_ASSERT_EQUAL_STRING("LODE_MODE_RUN",
-                                 lode_mode_name(rig6_telemetry(&rig).drive.mode));
+        TEST_ASSERT_EQUAL_STRING("LODE_MODE_RUN", lode_mode_name(rig6_telemetry(&rig).drive.mode));
     }
 }
 
@@ -805,10 +804,21 @@ static void test_a_source_that_opens_is_left(void) {
     CHECK_CLOSE(0.1, iq_A, (double)rig6_telemetry(&rig).drive.i_A.q); // of the set that was left
 }
 
-/// Runs until a set's gates are off or 10000 periods are over. The sensors of that set keep their counts, or read the middle, with
-/// a count of noise if `noisy`. Returns the time, and the largest current.
-static double until_frozen(rig6_t *rig, int set, bool middle, bool noisy, double *most_A) {
-    const lode_counts6_t held = rig6_counts(rig);
+typedef struct {
+    int i[3];
+} counts3_t;
+
+static const counts3_t middle = {{2048, 2048, 2048}};
+
+static counts3_t present_counts(rig6_t *rig, int set) {
+    const lode_counts6_t counts = rig6_counts(rig);
+    const uint16_t *i = counts.set[set].i;
+    return (counts3_t){{i[0], i[1], i[2]}};
+}
+
+/// Runs until a set's gates are off or 10000 periods are over. The sensors of that set show these counts, with a count of noise if
+/// `noisy`. Returns the time, and the largest current.
+static double until_frozen(rig6_t *rig, int set, counts3_t held, bool noisy, double *most_A) {
     random_t random = random_seed(13);
     int n = 0;
     *most_A = 0.0;
@@ -816,7 +826,7 @@ static double until_frozen(rig6_t *rig, int set, bool middle, bool noisy, double
         lode_counts6_t counts = rig6_counts(rig);
         for (int x = 0; x < 3; x++) {
             const int noise = noisy ? (int)(random_bits(&random) % 3u) - 1 : 0;
-            counts.set[set].i[x] = (uint16_t)((middle ? 2048 : held.set[set].i[x]) + noise);
+            counts.set[set].i[x] = (uint16_t)(held.i[x] + noise);
             *most_A = fmax(*most_A, fabs(rig6_current(rig, 3 * set + x)));
         }
         rig->out = lode_drive6_step(&rig->drive, &counts);
@@ -834,7 +844,8 @@ static void test_sensors_of_the_source_that_freeze_are_found(void) {
         config.source = set == 0 ? LODE_SOURCE_SET_1 : LODE_SOURCE_SET_2;
         rig6_t rig = turning(&config, 600.0, 1.2 * LOAD_Nm);
         double most_A;
-        CHECK_AT_MOST(20.0e-3, until_frozen(&rig, set, k >= 4, true, &most_A));
+        CHECK_AT_MOST(20.0e-3, until_frozen(&rig, set, k >= 4 ? middle : present_counts(&rig, set),
+                                            true, &most_A));
         expect_fault(&rig, LODE_CHECK_CURRENT_STUCK);
         CHECK_AT_MOST(15.0, most_A); // i_max
     }
@@ -851,13 +862,15 @@ static void test_sensors_of_one_set_that_freeze_are_found(void) {
             const bool noisy = k % 4 < 2;
             rig6_t rig = sound;
             double most_A;
-            const double time_s = until_frozen(&rig, set, false, noisy, &most_A);
+            const counts3_t held = present_counts(&rig, set);
+            const double time_s = until_frozen(&rig, set, held, noisy, &most_A);
             TEST_ASSERT_TRUE(time_s <= 5.0e-3 || most_A <= 1.2 * 15.0);
             CHECK_AT_MOST(12.0e-3, time_s);
             if (rpm > 1400.0) { // with so little voltage left it may be told as an open phase
                 continue;
             }
             expect_fault(&rig, LODE_CHECK_CURRENT_STUCK);
+            CHECK_NEAR(0.0, 0.0, rig6_telemetry(&rig).drive.fault.limit);
             // Without noise, one of the phases may be told first.
             const double number = (double)rig6_telemetry(&rig).drive.fault.measured;
             const double whole = (double)(set == 0 ? LODE_OPEN_SET_1 : LODE_OPEN_SET_2);
@@ -878,7 +891,7 @@ static void test_sensors_of_one_set_that_read_the_middle_are_an_open_set(void) {
         rig6_t rig = turning(&config, 300.0 * (double)(1 + k / 4), 1.2 * LOAD_Nm);
         rig.drive.drive.jump.noise_V2 = FLT_MAX;
         double most_A;
-        CHECK_AT_MOST(12.0e-3, until_frozen(&rig, set, true, true, &most_A));
+        CHECK_AT_MOST(12.0e-3, until_frozen(&rig, set, middle, true, &most_A));
         CHECK_AT_MOST(1.2 * 15.0, most_A);
         const float number = (float)(set == 0 ? LODE_OPEN_SET_1 : LODE_OPEN_SET_2);
         if (goes_on) {
@@ -889,6 +902,19 @@ static void test_sensors_of_one_set_that_read_the_middle_are_an_open_set(void) {
             expect_fault(&rig, LODE_CHECK_OPEN_PHASE);
             TEST_ASSERT_EQUAL_FLOAT(number, rig6_telemetry(&rig).drive.fault.measured);
         }
+    }
+}
+
+static void test_a_set_that_may_be_open_is_ignored_where_that_is_asked_for(void) {
+    const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_IGNORE);
+    for (int set = 0; set < 2; set++) {
+        rig6_t rig = turning(&config, 300.0, 1.2 * LOAD_Nm);
+        rig.drive.drive.jump.noise_V2 = FLT_MAX;
+        double most_A;
+        (void)until_frozen(&rig, set, middle, true, &most_A);
+        const lode_fault_t fault = rig6_telemetry(&rig).drive.fault;
+        TEST_ASSERT_TRUE(fault.check != (uint_least8_t)LODE_CHECK_CURRENT_STUCK &&
+                         fault.check != (uint_least8_t)LODE_CHECK_OPEN_PHASE);
     }
 }
 
@@ -1018,6 +1044,36 @@ static void test_adc_channels_that_all_read_the_middle_are_stuck(void) {
             expect_fault(&noisy, LODE_CHECK_CURRENT_STUCK);
         }
     }
+}
+
+/// All six keep their counts: neither set is named, whichever check comes first. With noise one may be found a check before the other.
+static void test_adc_channels_that_all_keep_their_counts_are_stuck(void) {
+    const lode_drive6_config_t config = rig6_config();
+    int unnamed = 0;
+    for (double rpm = 300.0; rpm < 1300.0; rpm += 300.0) {
+        rig6_t sound = turning(&config, rpm, LOAD_Nm);
+        for (int k = 0; k < 2 * (int)LODE_SLOW_PERIODS; k++) {
+            rig6_step(&sound);
+            rig6_t rig = sound;
+            const lode_counts6_t held = rig6_counts(&rig);
+            random_t random = random_seed(14);
+            for (int n = 0; n < 120 && rig.out.set[0].gates; n++) {
+                lode_counts6_t counts = rig6_counts(&rig);
+                for (int x = 0; x < 6; x++) {
+                    const int noise = k % 2 == 0 ? 0 : (int)(random_bits(&random) % 3u) - 1;
+                    counts.set[x / 3].i[x % 3] = (uint16_t)(held.set[x / 3].i[x % 3] + noise);
+                }
+                rig.out = lode_drive6_step(&rig.drive, &counts);
+                rig6_move(&rig);
+            }
+            expect_fault(&rig, LODE_CHECK_CURRENT_STUCK);
+            const double number = (double)rig6_telemetry(&rig).drive.fault.measured;
+            unnamed += fabs(number) < 0.5 ? 1 : 0;
+            CHECK_NEAR(k % 2 == 0 ? 0.0 : LODE_OPEN_SET_2, 0.0, number);
+            CHECK_NEAR(0.0, 0.0, rig6_telemetry(&rig).drive.fault.limit);
+        }
+    }
+    TEST_ASSERT_TRUE(unnamed >= 4 * 2 * (int)LODE_SLOW_PERIODS - 2);
 }
 
 /// All six come to show another share of the current (K38): both sets are off two periods later.
@@ -1634,11 +1690,13 @@ int main(void) {
     RUN_TEST(test_sensors_of_the_source_that_freeze_are_found);
     RUN_TEST(test_sensors_of_one_set_that_freeze_are_found);
     RUN_TEST(test_sensors_of_one_set_that_read_the_middle_are_an_open_set);
+    RUN_TEST(test_a_set_that_may_be_open_is_ignored_where_that_is_asked_for);
     RUN_TEST(test_or_the_drive_trips_and_says_why);
     RUN_TEST(test_injection_finds_the_machine_at_low_speed);
     RUN_TEST(test_ignored_it_stays_unseen);
     RUN_TEST(test_a_mode_that_changes_by_itself_turns_both_sets_off);
     RUN_TEST(test_adc_channels_that_all_read_the_middle_are_stuck);
+    RUN_TEST(test_adc_channels_that_all_keep_their_counts_are_stuck);
     RUN_TEST(test_gains_that_change_at_once_switch_both_sets_off);
     RUN_TEST(test_implausible_currents_of_either_set_trip);
     RUN_TEST(test_a_stuck_current_of_the_set_that_is_left_is_named);

@@ -1071,6 +1071,33 @@ static void test_sensors_that_freeze_while_it_injects(void) {
     }
 }
 
+/// (H29) and its options: what is not checked has no name of its own.
+static void test_checks_of_the_wave_are_a_choice(void) {
+    for (int n = 0; n < 4; n++) {
+        const bool stuck = n / 2 == 0;
+        const bool off = n % 2 == 1;
+        static rig_t rig;
+        rig_running(&rig, LODE_PLL_LESO);
+        rig_ask(&rig, 0.0f);
+        rig_run(&rig, 2.0);
+        TEST_ASSERT_TRUE(rig_telemetry(&rig).injected);
+        static lode_drive_tuning_t chosen;
+        chosen = *rig.drive.tuning;
+        chosen.plausibility.frozen_A2 = stuck && off ? -1.0f : chosen.plausibility.frozen_A2;
+        chosen.plausibility.jump_V2 = !stuck && off ? FLT_MAX : chosen.plausibility.jump_V2;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &chosen));
+        rig_run(&rig, 0.1);
+        if (stuck) {
+            (void)frozen_periods(&rig);
+        } else {
+            rig.motor.Ld = 9.8e-3;
+            rig_run(&rig, 0.02);
+        }
+        const lode_check_t check = stuck ? LODE_CHECK_CURRENT_STUCK : LODE_CHECK_CURRENT_GAIN;
+        TEST_ASSERT_EQUAL_INT(!off, rig_telemetry(&rig).fault.check == check);
+    }
+}
+
 static void check_gain(const rig_t *rig, double factor) {
     const lode_fault_t fault = rig_telemetry(rig).fault;
     TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_GAIN", lode_check_name(fault.check));
@@ -1776,6 +1803,7 @@ int main(void) {
     RUN_TEST(test_a_wave_that_was_never_shown);
     RUN_TEST(test_a_wave_that_is_shown_again);
     RUN_TEST(test_sensors_that_freeze_while_it_injects);
+    RUN_TEST(test_checks_of_the_wave_are_a_choice);
     RUN_TEST(test_a_response_that_falls_is_of_the_gains);
     RUN_TEST(test_a_response_in_the_search);
     RUN_TEST(test_a_rotor_that_jams_is_an_overload);

@@ -29,7 +29,7 @@ typedef enum {
     LODE_CHECK_START, ///< no hand-over: measured value and limit of the criterion that was not met (start.h)
     LODE_CHECK_OFFSET, ///< deviation of a calibrated current offset from nominal, counts
     LODE_CHECK_OPEN_PHASE, ///< 1 .. 3: phase of set 1; 4 .. 6: phase of set 2; 7, 8: all of set 1, of set 2
-    /// ADC channel that is stuck: 1 .. 3: phase of set 1; 4 .. 6: phase of set 2; 0: all three
+    /// ADC channel that is stuck: 1 .. 3: phase of set 1; 4 .. 6: phase of set 2; 7, 8: all of set 1, of set 2; 0: all
     LODE_CHECK_CURRENT_STUCK,
     LODE_CHECK_CURRENT_SUM,       ///< sum of the three phase currents, A
     LODE_CHECK_UNDER_TEMPERATURE, ///< power stage, degC: the sensor is open or shorted
@@ -78,8 +78,8 @@ typedef struct {
     float temperature_min_degC; ///< power stage; 0: -40
     /// largest sum of the three phase currents, for the time lock_s; 0: 0.15 i_max; LODE_NONE: no limit
     float i_sum_A;
-    /// plausibility checks of the currents (plausibility.h); auto: on. A build with LODE_WITHOUT_PLAUSIBILITY has
-    /// none; auto is then off
+    /// plausibility checks of the currents, OVERLOAD and FLUX (plausibility.h); auto: on. A build with
+    /// LODE_WITHOUT_PLAUSIBILITY has none; auto is then off
     lode_choice_t plausibility;
     /// with the gates on, noise alone must change the temperature's ADC count within this time; 0: not checked
     float temperature_still_s;
@@ -94,7 +94,7 @@ typedef struct {
     /// FLUX: in RUN the observed flux may differ by this share of the magnets' flux, and by what wrong parameters
     /// explain (P25), 0.1 .. 1. 0: 0.2; LODE_NONE: not checked
     float flux_share;
-    /// single checks of `plausibility`; auto: on
+    /// single checks of `plausibility`; auto: as that
     lode_choice_t check_stuck; ///< CURRENT_STUCK: counts that keep still, and a frozen vector (K36)
     lode_choice_t
         check_gain; ///< CURRENT_GAIN, CURRENT_STUCK: a current that changes at once by a factor (K38)

@@ -1,7 +1,7 @@
 /// Plausibility checks of currents, switches and load (docs/theory/control.md): an ADC channel whose count does not change
 /// although the current vector turns; three currents whose sum is not zero; a frozen current vector (K36); a current vector
 /// that changes at once by a factor (K38); a phase without a half-wave (K24); a load beyond all the torque (K19); a flux
-/// that is not that of the magnets (P26).
+/// that is not that of the magnets (P25).
 ///
 /// They run while the gates are on: counts and sums every LODE_GUARD_PERIODS, the others once in LODE_SLOW_PERIODS or when
 /// there is a reason. In the following, the "reference" is the current reference.

@@ -207,9 +207,7 @@ static void spoil_counts(inject_t *self, int sets, plant_counts_t counts[PLANT_S
         if (set == self->place.leg / PLANT_PHASES) {
             spoil_order(self, &counts[set]);
         }
-        if (is_in_set(self, set)) {
-            spoil_slow(self, set, &counts[set]);
-        }
+        spoil_slow(self, set, &counts[set]);
     }
 }
 

@@ -65,7 +65,7 @@ static const option_t table[] = {
      "every N-th case from the K-th on, for K = 1 .. N; `merge` joins the JSON of all N"},
     {"kinds", required_argument, 'K', FAULTS, "A,B,...", "kinds of fault; default: all"},
     {"in", required_argument, 'I', FAULTS, "PLACE",
-     "where: b1, c1, a2, b2 or c2: the phase of a fault of one phase; default: a1;\n"
+     "where: a1, b1, c1, a2, b2, c2: the phase of a fault of one phase; default: a1;\n"
      "                             set-1, set-2: sensor faults of all phases are in one set of\n"
      "                             six, those of one phase in its phase a"},
     {"motors", required_argument, 'M', FAULTS, "A,B,...",

@@ -78,6 +78,25 @@ def finds_while_it_injects(checks, folder):
         checks.equal(cases["rotor-jammed", "50 %"]["found"], "OVERLOAD", f"{motor} jams")
 
 
+def breaks_where_that_is_asked_for(checks, folder):
+    """The phase, or all sensors of one set (K36); bus and temperature are those of both sets."""
+    done, cases = cases_of(folder, "--motors", "jiang2022", "--kinds", "phase-open,adc-last", "--in", "c1")
+    checks.equal(cases["adc-last", "start"]["in"], "c1", "where, in the JSON")
+    checks.equal(done.returncode, 0, "exit code of c1")
+    checks.equal(cases["phase-open", "100 %"]["found"], "OPEN_PHASE", "c1")
+    for place in ("set-1", "set-2"):
+        done, cases = cases_of(folder, "--motors", "ultrazohm6", "--kinds", "adc-frozen-noisy,bus-reads-0,ntc-low",
+                               "--in", place)
+        checks.equal(done.returncode, 0, f"exit code of {place}")
+        for point in ("start", "10 %", "50 %"):
+            found = cases["adc-frozen-noisy", point]
+            checks.equal(found["found"], "CURRENT_STUCK", f"{place} at {point}")
+            checks.at_most(found["found_s"], 0.006, f"{place} at {point}")
+            checks.equal(cases["bus-reads-0", point]["found"], "UNDER_VOLTAGE", f"bus with {place} at {point}")
+    refused(checks, folder, ["faults", "--motors", "jiang2022", "--in", "a2"], "--in a2: expected a motor with six phases")
+    refused(checks, folder, ["faults", "--in", "d1"], "--in d1: unknown; expected a1, b1")
+
+
 # Small and large, with little and much resistance, of much and little saliency, light and heavy, six phases.
 OTHERS = ("servo_48V", "drone_900KV", "traction_400V", "pmsyrm_5kW", "compressor_310V", "ultrazohm6")
 
@@ -198,6 +217,7 @@ with Folder() as folder:
     tries_bridge_and_sensors_before_a_start(checks, folder)
     finds_sensors_that_come_to_show_less_in_a_start(checks, folder)
     finds_while_it_injects(checks, folder)
+    breaks_where_that_is_asked_for(checks, folder)
     tells_starts_that_were_given_up(checks, folder)
     bits_of_more_seeds_are_not_silent(checks, folder)
     finds_a_stuck_temperature_where_it_may_be_looked_for(checks, folder)

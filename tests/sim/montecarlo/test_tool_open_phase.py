@@ -23,6 +23,12 @@ def campaign(checks, folder):
     checks.equal((folder.path / "again.json").read_text(), text, "the file, merged")
 
 
+def goes_on(checks, folder):
+    done = folder.run("monte-carlo", "open-phase", "--motors", "ultrazohm6,eldeeb2017", "--n", 60 if FULL else 3,
+                      "--set", "guard.open_phase=go-on")
+    checks.equal(done.returncode, 0, f"what goes on drives on: {done.stdout}")
+
+
 def nothing_looks(checks, folder):
     none = folder.run("monte-carlo", "open-phase", "--motors", "jiang2022", "--n", 8, "--set", "guard.plausibility=off")
     checks.equal(none.returncode, 1, "exit code")
@@ -34,6 +40,7 @@ def main():
     checks = Checks()
     with Folder() as folder:
         campaign(checks, folder)
+        goes_on(checks, folder)
         nothing_looks(checks, folder)
     checks.done()
 
