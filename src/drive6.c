@@ -542,7 +542,9 @@ static LODE_NOINLINE void count_still(lode_drive6_t *self) {
 // Set 2 has the counts of its last check, some periods ago.
 LODE_INLINE bool set2_rests(const lode_drive6_t *self, const lode_sample_t *set_2) {
     const int32_t *last = self->plausibility_2.i;
-    return set_2->i[0] == last[0] && set_2->i[1] == last[1] && set_2->i[2] == last[2];
+    const int32_t *now = set_2->i;
+    return lode_plausibility_phases(now[0] == last[0], now[1] == last[1], now[2] == last[2]) ==
+           LODE_ALL_PHASES;
 }
 
 // Numbers what is stuck. Where set 2 runs alone its currents are in the place of set 1's.

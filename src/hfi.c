@@ -146,8 +146,7 @@ static lode_status_t check(const lode_hfi_config_t *config, const lode_hfi_syste
     if (!lode_in_range(config->sigma_rad_s, 1.0f, SIGMA_TS_MAX / system->ts_s)) {
         return LODE_ERROR_HFI_SIGMA;
     }
-    if (!(lode_is_none(config->id_A) ||
-          lode_in_range(config->id_A, 0.0f, system->inverter->i_max_A))) {
+    if (!lode_is_none_or_in(config->id_A, 0.0f, system->inverter->i_max_A)) {
         return LODE_ERROR_ID_BIAS;
     }
     return lode_abs(config->k_x_rad_A) * system->inverter->i_max_A <= AXIS_MAX_rad

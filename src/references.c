@@ -64,7 +64,7 @@ void lode_references_design(lode_references_config_t *config,
 
 static bool is_weakening_sound(const lode_references_config_t *config, float i_max_A) {
     return lode_in_range(config->voltage_use, 0.1f, 1.0f) &&
-           (lode_in_range(config->trim_rad_s, 0.1f, 1.0e3f) || lode_is_none(config->trim_rad_s)) &&
+           lode_is_none_or_in(config->trim_rad_s, 0.1f, 1.0e3f) &&
            lode_in_range(config->release_s, 1.0e-3f, 10.0f) &&
            lode_in_range(config->id_max_A, 1.0e-3f * i_max_A, i_max_A);
 }
@@ -84,8 +84,7 @@ static bool is_fade_sound(const lode_references_config_t *config, float v_bus_V)
 static lode_status_t check(const lode_references_config_t *config,
                            const lode_inverter_config_t *inverter) {
     const float span = config->omega_high_rad_s - config->omega_low_rad_s;
-    if (!(lode_is_none(config->id_bias_A) ||
-          lode_in_range(config->id_bias_A, 0.0f, inverter->i_max_A)) ||
+    if (!lode_is_none_or_in(config->id_bias_A, 0.0f, inverter->i_max_A) ||
         !lode_in_range(span, FLT_MIN, FLT_MAX)) {
         return LODE_ERROR_ID_BIAS;
     }

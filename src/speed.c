@@ -193,10 +193,8 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
     if (!ramp_is_sound(config, ts_s)) {
         return LODE_ERROR_SPEED_RAMP;
     }
-    if (!(lode_is_none(config->load_feed_forward) ||
-          lode_in_range(config->load_feed_forward, 0.0f, 1.0f)) ||
-        !(lode_is_none(config->inertia_feed_forward) ||
-          lode_in_range(config->inertia_feed_forward, 0.0f, 1.0f))) {
+    if (!lode_is_none_or_in(config->load_feed_forward, 0.0f, 1.0f) ||
+        !lode_is_none_or_in(config->inertia_feed_forward, 0.0f, 1.0f)) {
         return LODE_ERROR_SPEED_FEED_FORWARD;
     }
     if (!lode_is_on_or_off(config->every_period)) {

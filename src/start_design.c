@@ -305,7 +305,7 @@ static lode_status_t check(const lode_start_config_t *config,
     const float longest_s = lode_min(10.0f, COUNTER_MAX * (float)LODE_SLOW_PERIODS * ts_s);
     if (!lode_in_range(config->ramp_rad_s2, 1.0e-3f, 1.0e7f) ||
         !lode_in_range(config->current_rise_s, ts_s, 100.0f) ||
-        !(lode_is_none(config->catch_s) || lode_in_range(config->catch_s, 0.0f, longest_s)) ||
+        !lode_is_none_or_in(config->catch_s, 0.0f, longest_s) ||
         !lode_in_range(config->align_s, 0.0f, longest_s) ||
         !lode_in_range(config->lock_s, ts_s, longest_s) ||
         !lode_in_range(config->fade_s, ts_s, 10.0f) ||
@@ -315,7 +315,7 @@ static lode_status_t check(const lode_start_config_t *config,
     if (config->measure != MEASURES && config->measure != LODE_OFF) {
         return LODE_ERROR_CHOICE;
     }
-    if (!(lode_is_none(config->damping) || lode_in_range(config->damping, 0.0f, 2.0f))) {
+    if (!lode_is_none_or_in(config->damping, 0.0f, 2.0f)) {
         return LODE_ERROR_START_DAMPING;
     }
     return LODE_OK;

