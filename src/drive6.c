@@ -293,6 +293,7 @@ static LODE_NOINLINE void go_on_alone(lode_drive6_t *self, lode_active_t active,
     self->u_xy_V = (lode_ab_t){0.0f, 0.0f};
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     lode_plausibility_reset(&drive->plausibility);
+    drive->frozen.checks = 0u; // they were set 1's
 #endif
 }
 

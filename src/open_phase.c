@@ -25,7 +25,7 @@
 #define OLD_rad 0.7f
 // Weight of a check of a half-wave that was missing once and has not flowed since (K27).
 #define NOT_HAD (1.0f / 12.0f)
-#define WHOLE_SET 7
+#define WHOLE_SET ((int32_t)LODE_OPEN_SET_1)
 
 lode_open_phase_tuning_t lode_open_phase_tune(float i_max_A, float xy_rad_s, float interval_s) {
     const float checks = lode_max(TIME_CONSTANTS / (xy_rad_s * interval_s), CHECKS_MIN);

@@ -738,11 +738,15 @@ static void test_what_goes_on_goes_by_its_own_set(void) {
             seen = lode_drive6_sense(&rig.drive, &counts);
             const lode_estimate_t estimate = lode_drive6_estimate(&rig.drive, &seen);
             slot = lode_slot_of(rig.drive.drive.steps);
+            rig.drive.drive.plausibility.turn_rad = 1.0e-3f; // what set 1's checks have noted
+            rig.drive.drive.frozen.checks = 1u;
             out = lode_drive6_act(&rig.drive, &seen, &estimate);
             rig.out = out;
             rig6_move(&rig);
         } while (rig6_telemetry(&rig).open == 0u);
         const lode_drive_t *drive = &rig.drive.drive;
+        CHECK_NEAR(0.0, 0.0, drive->plausibility.turn_rad);
+        TEST_ASSERT_EQUAL_UINT(0u, drive->frozen.checks);
         const lode_ab_t i_A = seen.i_A.set[left];
         const lode_telemetry_t t = rig6_telemetry(&rig).drive;
         CHECK_AT_LEAST(1.0, hypot((double)i_A.alpha, (double)i_A.beta));
@@ -902,6 +906,21 @@ static void test_sensors_of_one_set_that_read_the_middle_are_an_open_set(void) {
             expect_fault(&rig, LODE_CHECK_OPEN_PHASE);
             TEST_ASSERT_EQUAL_FLOAT(number, rig6_telemetry(&rig).drive.fault.measured);
         }
+    }
+}
+
+/// Half an ampere is no open set.
+static void test_a_small_current_that_rests_is_frozen(void) {
+    const lode_drive6_config_t config = rig6_config();
+    const counts3_t held = {{2048 + 30, 2048 - 38, 2048 + 8}};
+    for (int set = 0; set < 2; set++) {
+        rig6_t rig = turning(&config, 600.0, 1.2 * LOAD_Nm);
+        rig.drive.drive.jump.noise_V2 = FLT_MAX;
+        double most_A;
+        CHECK_AT_MOST(12.0e-3, until_frozen(&rig, set, held, true, &most_A));
+        expect_fault(&rig, LODE_CHECK_CURRENT_STUCK);
+        const float number = (float)(set == 0 ? LODE_OPEN_SET_1 : LODE_OPEN_SET_2);
+        TEST_ASSERT_EQUAL_FLOAT(number, rig6_telemetry(&rig).drive.fault.measured);
     }
 }
 
@@ -1719,6 +1738,7 @@ int main(void) {
     RUN_TEST(test_sensors_of_the_source_that_freeze_are_found);
     RUN_TEST(test_sensors_of_one_set_that_freeze_are_found);
     RUN_TEST(test_sensors_of_one_set_that_read_the_middle_are_an_open_set);
+    RUN_TEST(test_a_small_current_that_rests_is_frozen);
     RUN_TEST(test_a_set_that_may_be_open_is_ignored_where_that_is_asked_for);
     RUN_TEST(test_or_the_drive_trips_and_says_why);
     RUN_TEST(test_injection_finds_the_machine_at_low_speed);

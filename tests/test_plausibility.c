@@ -122,6 +122,16 @@ static double until_found(bench_t *self, lode_finding_t *found) {
 
 /// No noise at all, whole counts, any speed and amplitude: the worst for a check that looks for counts that
 /// stay.
+/// However large a count is in amperes.
+static void test_what_is_off_is_off_by_its_sign(void) {
+    lode_plausibility_tuning_t checks = {.per_wave_A = 0.1f, .frozen_A2 = 0.0f};
+    TEST_ASSERT_TRUE(lode_plausibility_has_waves(&checks));
+    TEST_ASSERT_TRUE(lode_plausibility_has_stuck(&checks));
+    checks = (lode_plausibility_tuning_t){.per_wave_A = 0.0f, .frozen_A2 = -1.0f};
+    TEST_ASSERT_FALSE(lode_plausibility_has_waves(&checks));
+    TEST_ASSERT_FALSE(lode_plausibility_has_stuck(&checks));
+}
+
 static void test_sound_adc_channels_are_never_stuck(void) {
     for (double omega = 1.0; omega < 2500.0; omega *= 1.37) {
         for (double i_A = 0.05; i_A < 18.0; i_A *= 1.9) {
@@ -1094,6 +1104,7 @@ static void test_a_current_that_is_not_asked_for_does_not_fall(void) {
 
 int main(void) {
     UNITY_BEGIN();
+    RUN_TEST(test_what_is_off_is_off_by_its_sign);
     RUN_TEST(test_sound_adc_channels_are_never_stuck);
     RUN_TEST(test_a_stuck_adc_channel_is_found_within_5_ms_from_a_fifth_of_the_speed);
     RUN_TEST(test_an_adc_channel_may_be_stuck_at_zero);

@@ -47,7 +47,7 @@ function(lode_add_gates)
   lode_gate(misra_planted ${python} ${tools}/misra.py . planted)
 
   # The tests again, built in other ways.
-  lode_gate(sanitize bash ${tools}/preset.sh debug-sanitize test -L unit)
+  lode_gate(sanitize bash ${tools}/sanitize.sh)
   lode_gate(clang bash ${tools}/clang.sh)
   lode_gate(coverage bash ${tools}/coverage.sh)
   lode_gate(mcdc bash ${tools}/mcdc.sh)
