@@ -546,7 +546,7 @@ static double strongest_band(bool silent) {
         for (int f = 0; f <= BANDS; f++) {
             double _Complex at = 0.0;
             for (int k = 0; k < SPAN; k++) {
-                at += wave[k] * cexp(-I * CHECK_PI * f * k / BANDS);
+                at += wave[k] * cexp(-I * CHECK_PI * f * k / (double)BANDS);
             }
             power[f] += creal(at * conj(at));
             sum += creal(at * conj(at));

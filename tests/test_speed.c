@@ -595,7 +595,7 @@ static void test_a_loop_that_is_late_feeds_less_forward(void) {
 static double swing_of_light(double times, double bandwidth, double fed, double sigma,
                              double delay_s) {
     enum { DEAD = 1024 };
-    const double dt = 0.3 * delay_s / DEAD;
+    const double dt = 0.3 * delay_s / (double)DEAD;
     const int steps = (int)(80.0 / sigma / dt);
     static double acting[DEAD];
     memset(acting, 0, sizeof acting);

@@ -130,7 +130,7 @@ static double closed_gain(const loop_ratio_t *loop, double omega_rad_s) {
 /// The lowest frequency at which `gain` falls below 1.
 static double first_fall(double (*gain)(const loop_ratio_t *, double), const loop_ratio_t *loop,
                          double from, double to) {
-    const double ratio = pow(to / from, 1.0 / SCAN_POINTS);
+    const double ratio = pow(to / from, 1.0 / (double)SCAN_POINTS);
     double low = from;
     for (int k = 0; k < SCAN_POINTS; ++k) {
         double high = low * ratio;

@@ -162,7 +162,7 @@ double observer_peak(const observer_t *observer, const double complex *input) {
         sum += cabs(e);
         largest = fmax(largest, size);
         if (size <= SETTLED * largest) {
-            return sum + SETTLE_MAX * SETTLED * largest; // more than what is still to come
+            return sum + (double)SETTLE_MAX * SETTLED * largest; // more than what is still to come
         }
         memcpy(x, next, sizeof x);
     }

@@ -162,7 +162,7 @@ static double coast_share(uint64_t seed) {
 static mc_break_t draw_break(const mc_case_t *one, const mc_machine_t *machine, uint64_t *state) {
     const int legs = one->plant.sets * PLANT_PHASES;
     return (mc_break_t){
-        .what = (mc_breaks_t)(splitmix_uniform(state) * MC_BREAKS),
+        .what = (mc_breaks_t)(splitmix_uniform(state) * (double)MC_BREAKS),
         .leg = (int)(splitmix_uniform(state) * legs),
         .omega_e_rad_s = between(state, one->slow_e_rad_s, machine->full_e_rad_s),
         .load_share = exp(between(state, log(LEAST_LOAD_SHARE), 0.0)),

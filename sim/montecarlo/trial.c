@@ -25,7 +25,7 @@
 #define RIPPLE_s 0.3
 #define QUIET_PERIODS 20000   // periods with the same speed and load
 #define TELEMETRY_PERIODS 16u // periods from one reading of telemetry to the next
-enum { GLIDE_STEPS = 100 };   // steps of a gradual change
+#define GLIDE_STEPS 100       // steps of a gradual change
 #define CATCH_s 0.05          // a rotor that turns already is caught within this time ...
 #define CATCH_TURNS 2.0       // ... or so many electrical turns, whichever is longer
 #define FOUND_s 0.05          // an open phase is found within this time ...

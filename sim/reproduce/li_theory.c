@@ -105,10 +105,10 @@ double li_theory_noise_variance(const li_theory_t *t, li_form_t form, li_observe
     const double band = 2.0 * RIG_PI / t->euler.ts_s;
     double sum = 0.0;
     for (int k = 0; k < POINTS; ++k) {
-        const double w = band * ((k + 0.5) / POINTS - 0.5);
+        const double w = band * ((k + 0.5) / (double)POINTS - 0.5);
         sum += pow(li_theory_noise(t, form, observer, w, tuned), 2.0);
     }
-    return sum / POINTS;
+    return sum / (double)POINTS;
 }
 
 double li_theory_harmonic_pct(const li_theory_t *t, li_gain_t gain, li_observer_t observer,

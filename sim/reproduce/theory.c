@@ -80,7 +80,7 @@ double theory_mismatch_deg(const theory_t *t, double speed_rpm, double load_Nm, 
     *pull_out_Nm = 0.0;
     // The torque rises along the branch that begins at no current, up to the pull-out.
     for (int k = 1; k <= STEPS; ++k) {
-        const double I_A = 40.0 * k / STEPS;
+        const double I_A = 40.0 * k / (double)STEPS;
         double s = 0.0; // sin of the error
         for (int pass = 0; pass < 40; ++pass) {
             s = fmin(fmax(off_H * I_A / at(t, I_A, asin(-s)).psi_a, -0.999), 0.999);

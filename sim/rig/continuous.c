@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-enum { PARTS = 4 }; // w0 Ts/4 = 0.1 for the numbers of paper 1: 1e-6 of the state per part
+#define PARTS 4 // w0 Ts/4 = 0.1 for the numbers of paper 1: 1e-6 of the state per part
 
 /// The states, or their rates of change.
 typedef struct {

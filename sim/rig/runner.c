@@ -807,7 +807,7 @@ static bool start(run_t *run) {
         run->total_s += scenario->phase[k].duration_s;
         run->result->barred = run->result->barred || is_barred(&scenario->phase[k]);
     }
-    const double log_s = isnan(scenario->log_s) ? run->total_s / LOG_ROWS : scenario->log_s;
+    const double log_s = isnan(scenario->log_s) ? run->total_s / (double)LOG_ROWS : scenario->log_s;
     run->log_every = (uint64_t)fmax(1.0, round(log_s / run->ts_s));
     if (run->extra_load_Nm > 0.0 || run->extra_load_Nm < 0.0) {
         run->load_Nm = run->extra_load_Nm;

@@ -157,10 +157,12 @@ const char *plot_text(char string[PLOT_TEXT_LENGTH], const char *text) {
 }
 
 void plot_style(FILE *script, const char *title, const plot_frame_t *frame) {
-    enum { LEFT = 100, BELOW = 62, BETWEEN = 26, TO_LEGEND = 12, TITLE = 26 }; // pixels
-    const double width = frame->width;
-    const double height = frame->height;
-    const double right = 1.0 - frame->legend / width;
+    const double left = 100.0 / frame->width; // margins in pixels
+    const double to_legend = 12.0 / frame->width;
+    const double below = 62.0 / frame->height;
+    const double between = 26.0 / frame->height;
+    const double title_height = 26.0 / frame->height;
+    const double right = 1.0 - frame->legend / (double)frame->width;
     char string[PLOT_TEXT_LENGTH];
     (void)fprintf(script,
                   "set multiplot layout %d,1 margins screen %.4f, screen %.4f, screen %.4f, "
@@ -172,12 +174,12 @@ void plot_style(FILE *script, const char *title, const plot_frame_t *frame) {
                   "set key at screen %.4f, graph 0.5 left center reverse Left samplen 1.6 "
                   "spacing 1.25 font ',11'\n"
                   "set format x ''\n",
-                  frame->panels, LEFT / width, right, BELOW / height, 1.0 - frame->top / height,
-                  BETWEEN / height, frame->from_s, frame->to_s, right + TO_LEGEND / width);
+                  frame->panels, left, right, below, 1.0 - frame->top / (double)frame->height,
+                  between, frame->from_s, frame->to_s, right + to_legend);
     (void)fprintf(script,
                   "blue = '#1f5fa8'; red = '#c8372d'; green = '#2f8f4e'; grey = '#8a8f94'\n"
                   "set label 1000 at screen %.4f, screen %.4f left noenhanced font ',14' %s\n",
-                  LEFT / width, 1.0 - TITLE / height, plot_text(string, title));
+                  left, 1.0 - title_height, plot_text(string, title));
 }
 
 void plot_panel(FILE *script, const char *label) {

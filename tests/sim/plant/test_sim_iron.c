@@ -85,7 +85,7 @@ static void test_inductances_are_the_slopes_of_the_fluxes(void) {
 /// The field takes round a closed path what it gives, and holds what its energy says half way.
 static void test_field_energy_is_a_function_of_state(void) {
     enum { STEPS = 200000, HALF = STEPS / 2 };
-    const double turn = 6.28318530717958647693 / STEPS;
+    const double turn = 6.28318530717958647693 / (double)STEPS;
     const plant_config_t c = saturated();
     const plant_iron_t iron = iron_of(&c);
     plant_iron_point_t last = plant_iron_at(&iron, 0.0, 0.0);
@@ -223,7 +223,7 @@ static void test_map_makes_no_energy(void) {
     plant_iron_point_t last = plant_iron_at(&iron, 18.0, 2.0);
     double taken_J = 0.0, moved_J = 0.0, d0 = 18.0, q0 = 2.0;
     for (int n = 1; n <= STEPS; n++) {
-        const double turn = n * 6.28318530717958647693 / STEPS;
+        const double turn = n * 6.28318530717958647693 / (double)STEPS;
         const double d = 18.0 * cos(turn), q = 2.0 + 15.0 * sin(turn);
         const plant_iron_point_t at = plant_iron_at(&iron, d, q);
         const double step_J = 0.5 * (d + d0) * (at.psi_d_Wb - last.psi_d_Wb) +
