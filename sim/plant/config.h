@@ -110,8 +110,9 @@ typedef struct {
 
 /// Inputs of the firmware at t_k for one set; bus, temperature and stamp are the same for both.
 typedef struct {
-    uint16_t i[PLANT_PHASES];   ///< out of the inverter into the motor: above half scale
-    uint16_t link[PLANT_LINKS]; ///< shunt in the DC link; into the bridge: above half scale; 0: none
+    uint16_t i[PLANT_PHASES]; ///< out of the inverter into the motor: above half scale
+    uint16_t
+        link[PLANT_LINKS]; ///< shunt in the DC link; into the bridge: above half scale; 0: none
     uint16_t v_bus;
     uint16_t temperature;
     bool trip;      ///< hardware trip; see plant_set_trip
