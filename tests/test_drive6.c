@@ -1159,14 +1159,19 @@ static void test_implausible_currents_of_either_set_trip(void) {
     CHECK_AT_LEAST(40.0e-3, until_implausible(&sound, 0) * RIG6_TS_s);
 }
 
+static rig6_t gone_on_without(int phase) {
+    const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
+    rig6_t rig = turning(&config, 600.0, LOAD_Nm);
+    rig.open = phase;
+    rig6_run(&rig, 1.0);
+    TEST_ASSERT_EQUAL_INT(phase, rig6_telemetry(&rig).open);
+    return rig;
+}
+
 /// Set 2 alone has the numbers of its own phases still.
 static void test_a_stuck_current_of_the_set_that_is_left_is_named(void) {
-    const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
     for (int opens = 2; opens <= 5; opens += 3) {
-        rig6_t rig = turning(&config, 600.0, LOAD_Nm);
-        rig.open = opens;
-        rig6_run(&rig, 1.0);
-        TEST_ASSERT_EQUAL_INT(opens, rig6_telemetry(&rig).open);
+        rig6_t rig = gone_on_without(opens);
         const int stuck = opens <= 3 ? 5 : 2;
         double count = 2048.0;
         while (fabs(count - 2048.0) < 80.0) {
@@ -1189,12 +1194,8 @@ static void test_a_stuck_current_of_the_set_that_is_left_is_named(void) {
 
 /// (K36) of the only set, with a count of noise.
 static void test_a_vector_of_the_set_that_is_left_that_rests_is_frozen(void) {
-    const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
     for (int opens = 2; opens <= 5; opens += 3) {
-        rig6_t rig = turning(&config, 600.0, LOAD_Nm);
-        rig.open = opens;
-        rig6_run(&rig, 1.0);
-        TEST_ASSERT_EQUAL_INT(opens, rig6_telemetry(&rig).open);
+        rig6_t rig = gone_on_without(opens);
         const int set = opens <= 3 ? 1 : 0;
         double most_A;
         CHECK_AT_MOST(12.0e-3, until_frozen(&rig, set, present_counts(&rig, set), true, &most_A));
