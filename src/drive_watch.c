@@ -32,8 +32,9 @@
 // Uncertainty of the inductances, as for (S34) and (K16), and of the resistance; the drops have that of the resistance.
 #define L_UNSURE 0.2f
 #define R_UNSURE 0.5f
-#define FLUX_CURRENT 9.0f // squared: 3 times the least current to be judged, 0.15 of i_max
-#define FLUX_s 0.05f      // longer than a fast speed change makes the estimated speed lag the EMF
+#define FLUX_CURRENT 9.0f  // squared: 3 times the least current to be judged, 0.15 of i_max
+#define FLUX_s 0.05f       // longer than a fast speed change makes the estimated speed lag the EMF
+#define STANDS_SHARE 0.25f // (K45): of the speed reference
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
@@ -573,8 +574,36 @@ LODE_NOINLINE bool lode_drive_judge_flux(lode_drive_t *self) {
     return self->gates;
 }
 
-// Renames a lost lock to LODE_CHECK_OPEN_PHASE if a phase is suspected to be open (K41), and to LODE_CHECK_FLUX if the EMF's
-// size alone was wrong at every check since the lock fell.
+// (K45): the electrical speed that the EMF's size tells, whatever angle the estimate has, and the reference.
+typedef struct {
+    float seen_rad_s;
+    float wanted_rad_s;
+} turning_t;
+
+static turning_t turning(const lode_drive_t *self, lode_flux_t flux) {
+    const float omega = lode_abs(self->estimator.pll.omega_rad_s);
+    const float reference = self->state.run.speed.reference_rad_s;
+    return (turning_t){flux.seen_Wb * omega / lode_max(flux.expected_Wb, FLT_MIN),
+                       lode_abs(reference / self->tuning->speed.inv_pole_pairs)};
+}
+
+// Counts the looks at which the rotor hardly turns. Not with the angle of a sensor, whose loads are judged by its speed.
+static void note_standing(lode_drive_t *self, turning_t rotor) {
+    lode_guard_t *guard = &self->guard;
+    const bool looks = self->tuning->plausibility.away_rad_s > 0.0f && !lode_mode_is_sensored(self);
+    const uint32_t before = guard->lock > 1u ? guard->standing : 0u;
+    const uint32_t more = looks && rotor.seen_rad_s < STANDS_SHARE * rotor.wanted_rad_s ? 1u : 0u;
+    guard->standing = (uint_least16_t)(before + more);
+}
+
+static void rename_fault(lode_guard_t *guard, lode_check_t check, float measured, float limit) {
+    guard->fault.check = (uint_least8_t)check;
+    guard->fault.measured = measured;
+    guard->fault.limit = limit;
+}
+
+// Renames a lost lock: to LODE_CHECK_OVERLOAD if the rotor hardly turns (K45), to LODE_CHECK_OPEN_PHASE if a phase is suspected
+// to be open (K41), and to LODE_CHECK_FLUX if the EMF's size alone was wrong at every check since the lock fell.
 static void name_lost_lock(lode_drive_t *self) {
     lode_guard_t *guard = &self->guard;
     const lode_flux_t flux = lode_estimator_flux(&self->estimator, &self->tuning->estimator);
@@ -582,19 +611,23 @@ static void name_lost_lock(lode_drive_t *self) {
     const bool now =
         is_another_flux(flux, self->tuning->plausibility.flux_share * flux.expected_Wb);
     guard->flux = guard->lock > 0u && before && now;
-    if (lode_mode(self) != LODE_MODE_RUN ||
-        guard->fault.check != (uint_least8_t)LODE_CHECK_LOST_LOCK) {
+    if (lode_mode(self) != LODE_MODE_RUN) {
+        return;
+    }
+    const turning_t rotor = turning(self, flux);
+    note_standing(self, rotor);
+    if (guard->fault.check != (uint_least8_t)LODE_CHECK_LOST_LOCK) {
         return;
     }
     const lode_open_phase_t open = lode_half_waves_suspect(&self->state.run.waves);
-    if (open > 0u) {
-        guard->fault.check = (uint_least8_t)LODE_CHECK_OPEN_PHASE;
-        guard->fault.measured = (float)open;
-        guard->fault.limit = 0.0f;
+    if (lode_guard_saw_it_stand(guard)) {
+        rename_fault(guard, LODE_CHECK_OVERLOAD,
+                     lode_min(rotor.seen_rad_s, STANDS_SHARE * rotor.wanted_rad_s),
+                     rotor.wanted_rad_s);
+    } else if (open > 0u) {
+        rename_fault(guard, LODE_CHECK_OPEN_PHASE, (float)open, 0.0f);
     } else if (guard->flux) {
-        guard->fault.check = (uint_least8_t)LODE_CHECK_FLUX;
-        guard->fault.measured = flux.seen_Wb;
-        guard->fault.limit = flux.expected_Wb;
+        rename_fault(guard, LODE_CHECK_FLUX, flux.seen_Wb, flux.expected_Wb);
     } else {
         // lost, and nothing tells why
     }

@@ -22,6 +22,13 @@ LODE_INLINE bool lode_guard_found_nothing_else(const lode_guard_t *self) {
     return found == (uint32_t)LODE_CHECK_NONE || found == (uint32_t)LODE_CHECK_LOST_LOCK;
 }
 
+// (K45): of so many checks of a lock that is being lost, the rotor hardly turned at one.
+#define LODE_STANDS_LOOKS 4u
+
+LODE_INLINE bool lode_guard_saw_it_stand(const lode_guard_t *self) {
+    return self->standing > 0u && LODE_STANDS_LOOKS * self->standing >= self->lock;
+}
+
 // Takes that lost lock back: the drive does something about it.
 LODE_INLINE void lode_guard_withdraw(lode_guard_t *self) {
     if (!lode_guard_is_good(self)) {

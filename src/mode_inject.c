@@ -153,13 +153,15 @@ static void find_at_rest(lode_drive_t *self) {
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
-static bool may_be_open(const lode_drive_t *self) {
-    return lode_half_waves_suspect(&self->state.run.waves) > 0u;
+// A phase may be open (K41), or a load has stopped the rotor (K45): no search helps.
+static bool is_explained(const lode_drive_t *self) {
+    return lode_half_waves_suspect(&self->state.run.waves) > 0u ||
+           lode_guard_saw_it_stand(&self->guard);
 }
 
 #else
 
-static bool may_be_open(const lode_drive_t *self) {
+static bool is_explained(const lode_drive_t *self) {
     (void)self;
     return false;
 }
@@ -171,8 +173,8 @@ LODE_NOINLINE void lode_mode_find_lost(lode_drive_t *self) {
     const bool searches = lode_hfi_is_on(tuning) && lode_mode(self) == LODE_MODE_RUN &&
                           !lode_mode_is_sensored(self) &&
                           lode_guard_found_nothing_else(&self->guard);
-    // Not where a phase is open (K41).
-    if (searches && lode_mode_loses_lock(self) && self->losses < LOSSES_MAX && !may_be_open(self) &&
+    if (searches && lode_mode_loses_lock(self) && self->losses < LOSSES_MAX &&
+        !is_explained(self) &&
         lode_abs(self->estimator.pll.omega_rad_s) < LOST_SPEED * tuning->omega_high) {
         lode_guard_withdraw(&self->guard);
         find_again(self);

@@ -324,11 +324,14 @@ static void test_another_flux_is_named(void) {
     CHECK_CLOSE(0.05, 0.65 * rig.motor.psi, weak.measured);
     CHECK_CLOSE(0.05, rig.motor.psi, weak.limit);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, with_less_flux(rig, 0.1).check);
-    // Nearly none is no motor's, and a rotor that is stopped has none.
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, with_less_flux(rig, 0.8).check);
+    // Nearly none is no motor's: it is that of a rotor that is stopped (K45).
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, with_less_flux(rig, 0.8).check);
     rig.blocked = true;
     rig.motor.omega = 0.0;
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, with_less_flux(rig, 0.0).check);
+    const lode_fault_t stopped = with_less_flux(rig, 0.0);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, stopped.check);
+    CHECK_AT_MOST(0.25 * 300.0, stopped.measured);
+    CHECK_CLOSE(1.0e-5, 300.0, stopped.limit);
 }
 
 /// Loses the lock while the observer's EMF has `size` times what the speed induces. For the first `aside` checks it stands
@@ -350,6 +353,55 @@ static lode_check_t by_emf_aside(rig_t rig, uint32_t aside, float size) {
     }
     TEST_ASSERT_EQUAL_UINT32(tuning.guard.lock_checks, check);
     return (lode_check_t)rig_telemetry(&rig).fault.check;
+}
+
+/// Loses the lock, with an EMF aside of the rotor: at `low` checks, every second one, that of a share of 0.24 of the reference,
+/// at the others that of 0.26. The fault.
+static lode_fault_t by_standing(rig_t rig, uint32_t low) {
+    lode_estimator_t *estimator = &rig.drive.estimator;
+    for (uint32_t check = 0u; rig.drive.mode == (uint_least8_t)LODE_MODE_RUN && check < 1000u;
+         check++) {
+        estimator->pll.omega_rad_s = 150.0f; // whatever the estimate has become
+        const bool stands = check % 2u == 0u && check / 2u < low;
+        const float taken = 1.0f + 150.0f * 150.0f * tuning.estimator.droop_s2;
+        const float e_V = (stands ? 0.24f : 0.26f) * 300.0f * (float)rig.motor.psi / taken;
+        const lode_dq_t at = {-e_V * 0.7071f, e_V * 0.7071f};
+        estimator->emf.observer.e_V = lode_park_inverse(at, estimator->pll.frame);
+        estimator->lock = 0.0f;
+        estimator->id_A = 0.0f;
+        rig.drive.state.run.speed.reference_rad_s = -100.0f;
+        lode_drive_check_slow(&rig.drive);
+    }
+    return rig_telemetry(&rig).fault;
+}
+
+/// (K45): less than a quarter of the speed reference by the EMF, at a quarter of the checks.
+static void test_a_rotor_that_is_stopped_is_an_overload(void) {
+    rig_t rig = running(100.0, 8.0);
+    rig_run(&rig, 0.5);               // the start is over
+    rig.drive.guard.standing = 1000u; // of a lock that came back
+    const uint32_t checks = rig.drive.tuning->guard.lock_checks;
+    const uint32_t enough = (checks + 3u) / 4u;
+    TEST_ASSERT_TRUE(enough > 2u);
+    for (uint32_t low = 0u; low <= enough + 1u; low++) {
+        const lode_fault_t fault = by_standing(rig, low);
+        TEST_ASSERT_EQUAL_INT(low < enough ? LODE_CHECK_LOST_LOCK : LODE_CHECK_OVERLOAD,
+                              fault.check);
+        if (low >= enough) {
+            CHECK_CLOSE(1.0e-4, 0.25 * 300.0, fault.measured);
+            CHECK_CLOSE(1.0e-5, 300.0, fault.limit);
+        }
+    }
+    // Before a phase that may be open.
+    rig.drive.state.run.waves.lacks[1] = 60000u;
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, by_standing(rig, enough).check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OPEN_PHASE, by_standing(rig, enough - 1u).check);
+    rig.drive.state.run.waves.lacks[1] = 0u;
+    // Not where loads are not checked.
+    lode_drive_tuning_t without = tuning;
+    without.plausibility.away_rad_s = 0.0f;
+    rig.drive.tuning = &without;
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, by_standing(rig, checks).check);
 }
 
 /// Lost lock is that of another flux where the EMF was along the rotor at every check, and off by a fifth at least.
@@ -1247,6 +1299,7 @@ int main(void) {
     RUN_TEST(test_only_a_voltage_along_the_missing_current_is_wound_up);
     RUN_TEST(test_what_the_phases_should_show);
     RUN_TEST(test_another_flux_is_named);
+    RUN_TEST(test_a_rotor_that_is_stopped_is_an_overload);
     RUN_TEST(test_another_flux_is_one_at_every_look);
     RUN_TEST(test_how_much_another_flux_is_can_be_chosen);
     RUN_TEST(test_the_check_of_stuck_channels_is_a_choice);

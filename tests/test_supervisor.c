@@ -553,7 +553,7 @@ static void run_supervised(supervised_t *self, double seconds) {
 }
 
 /// The rotor is stopped for a tenth of a second.
-static void lose_the_rotor(supervised_t *self) {
+static void stop_the_rotor(supervised_t *self) {
     self->rig.motor.theta += 0.7 * CHECK_PI;
     self->rig.motor.omega = 0.0;
     self->rig.blocked = true;
@@ -569,16 +569,16 @@ static void expect_speed(const supervised_t *self) {
 
 static void test_a_drive_runs_again(void) {
     static supervised_t self;
-    begin(&self, LODE_CHECK_LOST_LOCK, LODE_REACTION_AGAIN);
+    begin(&self, LODE_CHECK_OVERLOAD, LODE_REACTION_AGAIN);
     run_supervised(&self, 3.0);
     expect_speed(&self);
-    lose_the_rotor(&self);
+    stop_the_rotor(&self);
     run_supervised(&self, 4.0);
     expect_speed(&self);
     TEST_ASSERT_EQUAL_UINT(1u, attempts.count);
     TEST_ASSERT_EQUAL_UINT(1u, lode_fault_log_count(&self.log));
     const lode_telemetry_t *tripped = lode_fault_log_row(&self.log, 0u, 0u);
-    TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, tripped->fault.check);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, tripped->fault.check);
     TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, lode_fault_log_row(&self.log, 0u, 1u)->mode);
     run_supervised(&self, 5.0);
     TEST_ASSERT_EQUAL_UINT(0u, attempts.count); // a good run
@@ -586,14 +586,14 @@ static void test_a_drive_runs_again(void) {
 
 static void test_a_drive_that_fails_again_and_again_stays_off(void) {
     static supervised_t self;
-    begin(&self, LODE_CHECK_LOST_LOCK, LODE_REACTION_AGAIN);
+    begin(&self, LODE_CHECK_OVERLOAD, LODE_REACTION_AGAIN);
     run_supervised(&self, 3.0);
     for (uint32_t n = 0u; n < 2u; n++) {
-        lose_the_rotor(&self);
+        stop_the_rotor(&self);
         run_supervised(&self, 2.5);
         rig_expect(&self.rig, LODE_MODE_RUN);
     }
-    lose_the_rotor(&self);
+    stop_the_rotor(&self);
     run_supervised(&self, 10.0);
     rig_expect(&self.rig, LODE_MODE_FAULT);
     TEST_ASSERT_EQUAL_UINT(2u, attempts.count);

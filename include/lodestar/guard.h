@@ -52,7 +52,8 @@ typedef enum {
     LODE_CHECK_SIGNALS,
     /// before a start: inductance that voltage and current show, mean over all angles, H
     LODE_CHECK_INDUCTANCE,
-    /// electrical speed that a load has reached against all the torque, rad/s; limit: the speed reference
+    /// electrical speed that a load has reached against all the torque, or to which it has stopped the rotor, rad/s; limit: the
+    /// speed reference
     LODE_CHECK_OVERLOAD,
     /// factor by which all currents changed at once without a voltage that explains it; limit: 1
     LODE_CHECK_CURRENT_GAIN,
@@ -148,6 +149,7 @@ typedef struct {
         lock; ///< debounce counter of the lock; START: rounds with too large a flux (S34)
     uint_least16_t speed;       ///< debounce counter of speed and direction
     uint_least16_t flux_rounds; ///< RUN: rounds with a wrong flux although the lock holds
+    uint_least16_t standing;    ///< looks at a lost lock at which the rotor hardly turned (K45)
     uint_least16_t trips;       ///< faults since begin, modulo 65536
     float still_V;              ///< bus voltage one round ago
     bool railed;                ///< a sample was at a rail since the last lode_guard_check_slow()
