@@ -557,13 +557,13 @@ static LODE_NOINLINE void name_stuck(lode_drive6_t *self, bool rests_2, lode_slo
     const bool phase = lode_in_range(fault->measured, 1.0f, (float)LODE_SETS * (float)LODE_PHASES);
     if (self->active == (uint_least8_t)LODE_SETS_ONLY_2) {
         fault->measured += phase ? (float)LODE_PHASES : 0.0f;
-    } else if (self->active == (uint_least8_t)LODE_SETS_BOTH && !phase) {
+    } else if (self->active == (uint_least8_t)LODE_SETS_BOTH) {
         const bool of_1 = slot == SLOT_GUARD || slot == SLOT_GUARD_2; // the checks of its counts
-        const float set = of_1 ? (float)LODE_OPEN_SET_1 : fault->measured;
+        const float number = of_1 && !phase ? (float)LODE_OPEN_SET_1 : fault->measured;
         const bool rests_1 = self->drive.plausibility.kept == LODE_ALL_PHASES;
-        fault->measured = rests_1 && rests_2 ? 0.0f : set;
+        fault->measured = rests_1 && rests_2 ? 0.0f : number;
     } else {
-        // a phase, or the sensors of set 1 alone
+        // set 1 alone
     }
 }
 

@@ -1,7 +1,8 @@
 #include "scalar_inline.h"
 #include "speed_inline.h"
 
-// (K22): the largest bandwidth is sigma/(one + delay tau).
+// (K22): with such a light rotor the loop with the PLL is stable up to the bandwidth (sigma + d)/(one + delay tau), tau = delay
+// times sigma.
 typedef struct {
     float one;
     float delay;
@@ -18,27 +19,31 @@ typedef struct {
 // The ramp gets less torque where the loop is slow for the rotor: if half of the ramp's torque is wrong because the inertia is,
 // the speed is off by a twentieth of rated at most where the ramp ends.
 #define RAMP_BANDWIDTH_SHARE 0.114f
-#define LOAD_FEED_FORWARD 0.5f // upper limit: with more, errors of J or Lq make the torque swing
-#define LEFT_OF_LEAST 0.75f
-// Where the PLL is this much faster than the rotor, the estimated load is mostly noise.
-#define SIGMA_RUN_UP_NOISY 78.0f
 #define INERTIA_FEED_FORWARD 1.0f
 // Rated load over the largest torque; the rest is for control. Applied as a step, it costs 2/e of the speed that it would take
 // from a free rotor in 1/bandwidth (K15).
 #define RATED_LOAD (2.0f / 3.0f)
 #define DIP 0.735759f
-// (K16): uncertainty of Lq, crossover of the PLL, and gain of the loop that the two close; but kp is not lowered so far that a
-// rated load takes more than two thirds of the lowest speed.
+// (K16): uncertainty of Lq, and what the bandwidth times sigma is divided by where the loop that it closes swings.
 #define L_UNSURE 0.2f
-#define CROSSOVER_PER_SIGMA 3.05f
-#define SWING_MAX 0.8f
-#define FIRM_PER_STOPPED 1.5f
-// With a rotor four times lighter than configured the loop with the PLL is stable up to the bandwidth sigma/(0.75 + 4.9 tau),
-// tau = delay times sigma; a load fed forward divides that by 1 + 2.7 tau times its share.
+#define TURNED_PER_SIGMA 1.37f
 static const light_t four_times = {0.75f, 4.9f};
+static const light_t three_times = {0.38f, 3.4f}; // (K37)
+#define LIGHT_GAIN_MARGIN 1.41f                   // 3 dB
+// A load that is fed forward delays the light rotor's loop by as much per share and tau; to the other, its share of sigma/3 is
+// like bandwidth. More than a half would leave little of the damping.
 #define LIGHT_FED 2.7f
-#define LIGHT_GAIN_MARGIN 1.41f // 3 dB
-#define STOPPED_TIMES 1.35f     // 1.2 as in (K18), and a margin
+#define FED_PER_SIGMA (1.0f / 3.0f)
+#define LOAD_FEED_FORWARD 0.5f
+#define LEAST_FEED_FORWARD 0.01f // less is none
+// Where the PLL is this much faster than the rotor, the estimated load is mostly noise.
+#define SIGMA_RUN_UP_NOISY 78.0f
+#define BOTH_SHARE 0.9f // (K44): 1 dB, for a light rotor and a wrong Lq at once
+// (K44): bandwidths with which a rated load, by (K18), takes half of the lowest speed, and nine tenths of it; and no more of
+// sigma than leaves the loop an octave inside the PLL.
+#define HELD_TIMES 2.4f
+#define STOPPED_TIMES 1.35f
+#define HELD_PER_SIGMA 0.5f
 // A rotor that a rated load stops within 10 ms: no loop holds that one.
 #define STOPPED_MAX_rad_s 74.0f
 
@@ -53,84 +58,94 @@ static const light_t four_times = {0.75f, 4.9f};
 
 #endif
 
-// (K15): kp with which a rated load takes all of the lowest speed if no load is fed forward.
-static float stopped_kp_Nms(const lode_speed_config_t *config,
-                            const lode_inverter_config_t *inverter, const lode_motor_t *motor) {
+// (K15): bandwidth with which a rated load takes all of the lowest speed.
+static float stopped_rad_s(const lode_speed_config_t *config,
+                           const lode_inverter_config_t *inverter, const lode_motor_t *motor) {
     const float load_Nm = RATED_LOAD * inverter->i_max_A * lode_motor_kt_Nm_A(motor);
-    return motor->pole_pairs * DIP * load_Nm / lode_max(config->omega_min_rad_s, FLT_MIN);
+    const float load_rad_s2 = motor->pole_pairs * load_Nm / lode_max(motor->J_kgm2, FLT_MIN);
+    return DIP * load_rad_s2 / lode_max(config->omega_min_rad_s, FLT_MIN);
 }
 
-// (K17): share of the load feed-forward with which the rest of a rated load takes LEFT_OF_LEAST of the lowest speed.
-static float fed_share(float kp_Nms, float stopped_Nms) {
-    return lode_min(1.0f - LEFT_OF_LEAST * kp_Nms / lode_max(stopped_Nms, FLT_MIN),
-                    LOAD_FEED_FORWARD);
+// (K22), (K37): one over the bandwidth with which a light rotor, behind a PLL of bandwidth `sigma_rad_s`, has no margin.
+static float light_s(const light_t *light, const lode_speed_loop_t *loop, float sigma_rad_s) {
+    return (light->one + light->delay * loop->delay_s * sigma_rad_s) /
+           (sigma_rad_s + loop->damping_rad_s);
 }
 
-// (K16): kp with which the loop through an error of Lq, the angle and a PLL of bandwidth `sigma_rad_s` has the gain SWING_MAX.
-static float swinging_kp_Nms(const lode_motor_t *motor, float sigma_rad_s) {
+// (K16): one over the bandwidth with which the loop through an error of Lq, the angle and this PLL has no margin.
+static float turned_s(const lode_motor_t *motor, float sigma_rad_s) {
     const float turned_rad_A = L_UNSURE * motor->Lq_H / lode_max(motor->psi_Wb, FLT_MIN);
-    const float rise_rad_s_Nm = CROSSOVER_PER_SIGMA * sigma_rad_s * turned_rad_A /
-                                lode_max(lode_motor_kt_Nm_A(motor), FLT_MIN);
-    return SWING_MAX * motor->pole_pairs / lode_max(rise_rad_s_Nm, FLT_MIN);
+    const float turned_rad_Nm = turned_rad_A / lode_max(lode_motor_kt_Nm_A(motor), FLT_MIN);
+    return TURNED_PER_SIGMA * sigma_rad_s * turned_rad_Nm * motor->J_kgm2 / motor->pole_pairs;
 }
 
-// (K40): share of the load feed-forward that leaves the loop of (K16) its gain: 3/sigma of the disturbance acts like speed.
-static float soft_share(const lode_motor_t *motor, float sigma_rad_s, float kp_Nms) {
-    const float room_Nms = swinging_kp_Nms(motor, sigma_rad_s) - kp_Nms;
-    return 3.0f * room_Nms / lode_max(motor->J_kgm2 * sigma_rad_s, FLT_MIN);
+// The largest bandwidth with a margin for a rotor four times lighter (K22), and with less of one if Lq is wrong as well (K44).
+// `share`: of the load, fed forward.
+static float most_rad_s(const lode_motor_t *motor, const lode_speed_loop_t *loop, float sigma_rad_s,
+                        float share) {
+    const float later = 1.0f + LIGHT_FED * share * loop->delay_s * sigma_rad_s;
+    const float light = later * light_s(&four_times, loop, sigma_rad_s);
+    const float turned = turned_s(motor, sigma_rad_s);
+    const float left = BOTH_SHARE - share * FED_PER_SIGMA * sigma_rad_s * turned;
+    return lode_min(1.0f / (LIGHT_GAIN_MARGIN * light), left / (light + turned));
 }
 
-// (K22), (K37): bandwidth that leaves a margin with such a light rotor, behind a PLL of bandwidth `sigma_rad_s`.
-static float light_rad_s(const light_t *light, const lode_speed_loop_t *loop, float sigma_rad_s) {
-    return (sigma_rad_s + loop->damping_rad_s) /
-           (LIGHT_GAIN_MARGIN * (light->one + light->delay * loop->delay_s * sigma_rad_s));
+// (K40): the share of the load that (K22) and (K44) leave to a feed-forward.
+static float fed_share(const lode_motor_t *motor, const lode_speed_loop_t *loop, float sigma_rad_s,
+                       float bandwidth_rad_s) {
+    const float light = bandwidth_rad_s * light_s(&four_times, loop, sigma_rad_s);
+    const float turned = bandwidth_rad_s * turned_s(motor, sigma_rad_s);
+    const float later = LIGHT_FED * loop->delay_s * sigma_rad_s * light; // by the whole load
+    const float like_more = FED_PER_SIGMA * sigma_rad_s * turned_s(motor, sigma_rad_s);
+    const float by_both = (BOTH_SHARE - light - turned) / lode_max(later + like_more, FLT_MIN);
+    const float by_light = (1.0f / LIGHT_GAIN_MARGIN - light) / lode_max(later, FLT_MIN);
+    return lode_min(lode_min(by_both, by_light), LOAD_FEED_FORWARD);
 }
 
-// (K23): share of the load feed-forward that leaves a light rotor the same margin at the bandwidth `bandwidth_rad_s`.
-static float light_share(const lode_speed_loop_t *loop, float sigma_rad_s, float bandwidth_rad_s) {
-    const float most_rad_s = light_rad_s(&four_times, loop, sigma_rad_s);
-    const float room = most_rad_s / lode_max(bandwidth_rad_s, FLT_MIN) - 1.0f;
-    return room / lode_max(LIGHT_FED * loop->delay_s * sigma_rad_s, FLT_MIN);
-}
-
-// Bandwidth at low speed, with a margin for a rotor four times lighter. Where a rated load would stop the rotor and too little
-// of it may be fed forward: as much more as holds the rotor, with a margin for one three times lighter (K37).
-static float firm_rad_s(const lode_speed_loop_t *loop, const lode_pll_config_t *pll,
-                        float stopped_rad_s) {
+// Bandwidth at low speed (K44). Where a rated load would otherwise stop the rotor, more than a share of sigma, as far as the
+// margins allow it at every speed; and where they leave too little, with a margin for a rotor three times lighter (K37).
+static float firm_rad_s(const lode_motor_t *motor, const lode_speed_loop_t *loop,
+                        const lode_pll_config_t *pll, float stopped, bool holds) {
     const float sigma = lode_max(pll->sigma_low_rad_s, FLT_MIN);
-    const float firm = lode_min(BANDWIDTH_PER_SIGMA * sigma, light_rad_s(&four_times, loop, sigma));
-    // (K37) was derived for the LESO-QPLL; a QPLL does not know the torque.
-    if (pll->kind != LODE_PLL_LESO || stopped_rad_s > STOPPED_MAX_rad_s ||
-        light_share(loop, sigma, firm) >= LOAD_FEED_FORWARD) {
+    const float most = most_rad_s(motor, loop, sigma, 0.0f);
+    const float firm = lode_min(BANDWIDTH_PER_SIGMA * sigma, most);
+    if (!holds) {
         return firm;
     }
-    static const light_t three_times = {0.38f, 3.4f};
-    const float most = light_rad_s(&three_times, loop, sigma);
-    return lode_max(firm, lode_min(STOPPED_TIMES * stopped_rad_s, most));
+    const float most_fast = most_rad_s(motor, loop, pll->sigma_rad_s, 0.0f);
+    const float wanted = lode_min(HELD_TIMES * stopped, lode_min(most, most_fast));
+    const float less_light = LIGHT_GAIN_MARGIN * light_s(&three_times, loop, sigma);
+    const float needed = lode_min(STOPPED_TIMES * stopped, 1.0f / less_light);
+    return lode_max(firm, lode_min(lode_max(wanted, needed), HELD_PER_SIGMA * sigma));
 }
 
 void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter,
                        const lode_motor_t *motor, const lode_pll_config_t *pll,
                        const lode_speed_loop_t *loop, float omega_handover_rad_s, bool injects) {
     const float J = lode_max(motor->J_kgm2, FLT_MIN);
+    const float sigma = lode_max(pll->sigma_rad_s, FLT_MIN);
     const float sigma_low = lode_max(pll->sigma_low_rad_s, FLT_MIN);
     const bool given = config->kp_Nms > 0.0f;
     const float run_up_s = lode_max(lode_motor_run_up_s(motor, inverter->i_max_A), FLT_MIN);
     config->omega_min_rad_s = lode_given_or(config->omega_min_rad_s, omega_handover_rad_s);
-    const float stopped_Nms = stopped_kp_Nms(config, inverter, motor);
-    const float calm_Nms =
-        lode_max(swinging_kp_Nms(motor, sigma_low), FIRM_PER_STOPPED * stopped_Nms);
-    const float most = BANDWIDTH_RUN_UP_MAX / run_up_s;
-    const float firm = firm_rad_s(loop, pll, stopped_Nms / J);
-    const float by_sigma = lode_min(lode_min(firm, most), calm_Nms / J);
-    const float bandwidth = given ? config->kp_Nms / J : by_sigma;
-    const float calm_fast = lode_min(most, swinging_kp_Nms(motor, pll->sigma_rad_s) / J);
-    const float most_fast = lode_min(calm_fast, light_rad_s(&four_times, loop, pll->sigma_rad_s));
+    const float stopped = stopped_rad_s(config, inverter, motor);
+    const bool sudden = stopped > STOPPED_MAX_rad_s;
+    // A QPLL does not know the torque, and with injection no load is too large for a low speed.
+    const bool holds = pll->kind == LODE_PLL_LESO && !injects && !sudden;
+    const float firm = firm_rad_s(motor, loop, pll, stopped, holds);
+    const float quiet = BANDWIDTH_RUN_UP_MAX / run_up_s;
+    const float bandwidth = given ? config->kp_Nms / J : lode_min(firm, quiet);
+    config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, bandwidth);
+    const bool noisy = sigma_low * run_up_s > SIGMA_RUN_UP_NOISY;
+    const float share = fed_share(motor, loop, sigma, config->bandwidth_rad_s);
+    const bool feeds = (injects || sudden) && !noisy && share > LEAST_FEED_FORWARD;
+    config->load_feed_forward = lode_given_or(config->load_feed_forward, feeds ? share : LODE_NONE);
+    const float fed = lode_max(config->load_feed_forward, 0.0f);
+    const float most_fast = lode_min(quiet, most_rad_s(motor, loop, sigma, fed));
     const float rise =
-        lode_min(pll->sigma_rad_s / sigma_low, most_fast / lode_max(by_sigma, FLT_MIN));
+        lode_min(sigma / sigma_low, most_fast / lode_max(config->bandwidth_rad_s, FLT_MIN));
     config->gain_rise =
         lode_given_or(config->gain_rise, given ? 1.0f : lode_clamp(rise, 1.0f, RISE_MAX));
-    config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, bandwidth);
     config->kp_Nms = lode_given_or(config->kp_Nms, config->bandwidth_rad_s * J);
     config->ki_Nm =
         lode_given_or(config->ki_Nm, INTEGRAL_SHARE * config->bandwidth_rad_s * config->kp_Nms);
@@ -138,13 +153,6 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
         lode_min(RAMP_TORQUE_SHARE, RAMP_BANDWIDTH_SHARE * config->bandwidth_rad_s * run_up_s);
     config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, ramp_share * inverter->i_max_A *
                                                                  lode_motor_kt_Nm_A(motor) / J);
-    const bool noisy = sigma_low * run_up_s > SIGMA_RUN_UP_NOISY;
-    const float fed = lode_min(fed_share(config->kp_Nms, stopped_Nms),
-                               light_share(loop, sigma_low, config->kp_Nms / J));
-    const float held = lode_min(soft_share(motor, sigma_low, config->kp_Nms), LOAD_FEED_FORWARD);
-    const float share = injects ? held : fed;
-    const bool feeds = !noisy && share > 0.0f && (injects || config->kp_Nms < stopped_Nms);
-    config->load_feed_forward = lode_given_or(config->load_feed_forward, feeds ? share : LODE_NONE);
     config->inertia_feed_forward =
         lode_given_or(config->inertia_feed_forward, INERTIA_FEED_FORWARD);
     if (config->every_period == LODE_AUTO) {

@@ -1,8 +1,8 @@
 """usage: LODE_TOOL=... load_steps.py write | print
 
-The largest load step from no load that simulated drives of the catalogue stand, beside what `design` says (K18), each
+The largest load step from no load that simulated drives of the catalogue survive, beside what `design` says (K18), each
 with the values it was told; write: into docs/theory/control.md. Takes a minute on two cores.
-Stood: after 1.9 s three seeds still run, and within 5 % of the speed. A step is found to 1 % of the
+Survived: after 1.9 s three seeds still run, and within 5 % of the speed. A step is found to 1 % of the
 torque of i_max/1.5.
 """
 import concurrent.futures
@@ -20,11 +20,11 @@ DATA = SOURCE / "sim/data"
 MOTORS = ["jiang2022", "servo_48V", "compressor_310V", "ebike_hub", "fan_325V", "servo_3kW", "pmsyrm_5kW",
           "traction_400V", "flat_30W", "drone_900KV"]
 SEEDS = ["1", "2", "3"]
-HEAD = "| motor | hand-over: (K18) | stood | base speed: (K18) | stood |\n|---|---|---|---|---|\n"
+HEAD = "| motor | hand-over: (K18) | survived | base speed: (K18) | survived |\n|---|---|---|---|---|\n"
 MOST = 3.0  # of that torque: beyond what any of them has
 
 
-def stands(folder, motor, rpm, load_Nm):
+def survives(folder, motor, rpm, load_Nm):
     plant = DATA / "plants" / f"{motor}.ini"
     folder.write("step.ini", f"[scenario]\nmotor = {DATA}/motors/{motor}.ini\ndrive = {DATA}/drives/{motor}.ini\n"
                  + (f"plant = {plant}\n" if plant.exists() else "")
@@ -39,7 +39,7 @@ def most(folder, motor, step, rated_Nm):
     low, high = 0.0, MOST
     while high - low > 0.01:
         share = 0.5 * (low + high)
-        low, high = (share, high) if stands(folder, motor, 1.005 * step["speed_rpm"], share * rated_Nm) else (low, share)
+        low, high = (share, high) if survives(folder, motor, 1.005 * step["speed_rpm"], share * rated_Nm) else (low, share)
     return low
 
 
@@ -61,7 +61,10 @@ def main():
         print(table, end="")
         return
     text = PAGE.read_text()
-    PAGE.write_text(re.sub(re.escape(HEAD) + r"(\|.*\n)+", lambda _: table, text))
+    text, tables = re.subn(re.escape(HEAD) + r"(\|.*\n)+", lambda _: table, text)
+    if tables != 1:
+        sys.exit(f"{PAGE}: {tables} tables begin with {HEAD.splitlines()[0]}; expected one")
+    PAGE.write_text(text)
     print(f"written: {PAGE}")
 
 

@@ -18,11 +18,11 @@ extern "C" {
 typedef struct {
     float kp_Nms; ///< torque per rad/s; 0: from the bandwidth
     float ki_Nm;  ///< torque per rad; 0: kp times bandwidth/4
-    /// crossover of the loop; 0: a quarter of the PLL's sigma at low speed, at most 13 over the run-up time, less
-    /// by (K16) and (K22), more by (K37)
+    /// crossover of the loop; 0: a quarter of the PLL's sigma at low speed, more where a rated load would stop the rotor (K37),
+    /// at most 13 over the run-up time, and what a lighter rotor and an error of Lq leave (K44)
     float bandwidth_rad_s;
-    /// factor by which both gains rise with the PLL's sigma, 1 .. 10; 0: as sigma does, less by (K16) and (K22); if
-    /// kp_Nms is given: 1, they do not rise
+    /// factor by which both gains rise with the PLL's sigma, 1 .. 10; 0: as sigma does, less by (K44); if kp_Nms is given: 1,
+    /// they do not rise
     float gain_rise;
     /// slope of the speed reference; 0: at most half of the torque limit over J
     float ramp_rad_s2;
@@ -30,9 +30,8 @@ typedef struct {
     float jerk_rad_s3;      ///< largest rate of change of the slope (S-curve, K33); 0: no limit
     /// share of the torque that the inertia J needs along the ramp, 0 .. 1; 0: 1; LODE_NONE: none
     float inertia_feed_forward;
-    /// share of the estimated load torque that is fed forward, 0 .. 1; LODE_NONE: none. 0: 0.25 to 0.5, less by
-    /// (K23), if a rated load would otherwise stop the rotor at its lowest speed (K17); 0.5 with injection; none in
-    /// all other cases
+    /// share of the estimated load torque that is fed forward, 0 .. 1; LODE_NONE: none. 0: none, but up to 0.5 with injection,
+    /// and where a rated load stops the rotor within 10 ms (K40)
     float load_feed_forward;
     /// lowest ELECTRICAL speed that is held without an angle sensor; 0: hand-over speed
     float omega_min_rad_s;
