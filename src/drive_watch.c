@@ -591,9 +591,9 @@ static turning_t turning(const lode_drive_t *self, lode_flux_t flux) {
 static void note_standing(lode_drive_t *self, turning_t rotor) {
     lode_guard_t *guard = &self->guard;
     const bool looks = self->tuning->plausibility.away_rad_s > 0.0f && !lode_mode_is_sensored(self);
+    const bool stands = looks && rotor.seen_rad_s < STANDS_SHARE * rotor.wanted_rad_s;
     const uint32_t before = guard->lock > 1u ? guard->standing : 0u;
-    const uint32_t more = looks && rotor.seen_rad_s < STANDS_SHARE * rotor.wanted_rad_s ? 1u : 0u;
-    guard->standing = (uint_least16_t)(before + more);
+    guard->standing = (uint_least16_t)(stands ? before + 1u : before);
 }
 
 static void rename_fault(lode_guard_t *guard, lode_check_t check, float measured, float limit) {

@@ -28,8 +28,7 @@ typedef struct {
 #define L_UNSURE 0.2f
 #define TURNED_PER_SIGMA 1.37f
 static const light_t four_times = {0.75f, 4.9f};
-static const light_t three_times = {0.38f, 3.4f}; // (K37)
-#define LIGHT_GAIN_MARGIN 1.41f                   // 3 dB
+#define LIGHT_GAIN_MARGIN 1.41f // 3 dB
 // A load that is fed forward delays the light rotor's loop by as much per share and tau; to the other, its share of sigma/3 is
 // like bandwidth. More than a half would leave little of the damping.
 #define LIGHT_FED 2.7f
@@ -112,6 +111,7 @@ static float firm_rad_s(const lode_motor_t *motor, const lode_speed_loop_t *loop
     if (!holds) {
         return firm;
     }
+    static const light_t three_times = {0.38f, 3.4f};
     const float most_fast = most_rad_s(motor, loop, pll->sigma_rad_s, 0.0f);
     const float wanted = lode_min(HELD_TIMES * stopped, lode_min(most, most_fast));
     const float less_light = LIGHT_GAIN_MARGIN * light_s(&three_times, loop, sigma);

@@ -708,6 +708,15 @@ static void test_a_light_rotor_is_held_with_a_wrong_Lq(void) {
 
 // ---- Two slopes and a jerk (K33)-(K35) ------------------------------------------------------------
 
+static void test_any_jerk_is_a_limit(void) {
+    lode_speed_config_t config = sound();
+    config.ramp_rad_s2 = 5.0f;
+    config.jerk_rad_s3 = 0.5f;
+    CHECK_CLOSE(1.0e-5, 0.5 * (double)PAPER_TS_s * (double)PAPER_TS_s, tuned(&config).jerk_step);
+    config.jerk_rad_s3 = 0.0f;
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, tuned(&config).jerk_step);
+}
+
 /// A share of the jerk is left to rounding, as the code has it.
 #define PLANNED 0.96875
 
@@ -973,6 +982,7 @@ int main(void) {
     RUN_TEST(test_a_load_fed_forward_with_injection_keeps_the_gain);
     RUN_TEST(test_a_loop_that_is_late_has_less_gain);
     RUN_TEST(test_a_load_that_would_stop_the_rotor_asks_for_more_gain);
+    RUN_TEST(test_any_jerk_is_a_limit);
     RUN_TEST(test_a_sudden_load_is_fed_forward);
     RUN_TEST(test_a_load_fed_forward_leaves_less_of_a_rise);
     RUN_TEST(test_a_rotor_four_times_lighter_is_held);
