@@ -68,14 +68,15 @@ static float stopped_rad_s(const lode_speed_config_t *config,
 // (K22), (K37): one over the bandwidth with which a light rotor, behind a PLL of bandwidth `sigma_rad_s`, has no margin.
 static float light_s(const light_t *light, const lode_speed_loop_t *loop, float sigma_rad_s) {
     return (light->one + light->delay * loop->delay_s * sigma_rad_s) /
-           (sigma_rad_s + loop->damping_rad_s);
+           lode_max(sigma_rad_s + loop->damping_rad_s, FLT_MIN);
 }
 
 // (K16): one over the bandwidth with which the loop through an error of Lq, the angle and this PLL has no margin.
 static float turned_s(const lode_motor_t *motor, float sigma_rad_s) {
     const float turned_rad_A = L_UNSURE * motor->Lq_H / lode_max(motor->psi_Wb, FLT_MIN);
     const float turned_rad_Nm = turned_rad_A / lode_max(lode_motor_kt_Nm_A(motor), FLT_MIN);
-    return TURNED_PER_SIGMA * sigma_rad_s * turned_rad_Nm * motor->J_kgm2 / motor->pole_pairs;
+    return TURNED_PER_SIGMA * sigma_rad_s * turned_rad_Nm * motor->J_kgm2 /
+           lode_max(motor->pole_pairs, FLT_MIN);
 }
 
 // The largest bandwidth with a margin for a rotor four times lighter (K22), and with less of one if Lq is wrong as well (K44).
@@ -86,7 +87,8 @@ static float most_rad_s(const lode_motor_t *motor, const lode_speed_loop_t *loop
     const float light = later * light_s(&four_times, loop, sigma_rad_s);
     const float turned = turned_s(motor, sigma_rad_s);
     const float left = BOTH_SHARE - share * FED_PER_SIGMA * sigma_rad_s * turned;
-    return lode_min(1.0f / (LIGHT_GAIN_MARGIN * light), left / (light + turned));
+    return lode_min(1.0f / lode_max(LIGHT_GAIN_MARGIN * light, FLT_MIN),
+                    left / lode_max(light + turned, FLT_MIN));
 }
 
 // (K40): the share of the load that (K22) and (K44) leave to a feed-forward.
@@ -98,7 +100,7 @@ static float fed_share(const lode_motor_t *motor, const lode_speed_loop_t *loop,
     const float like_more = FED_PER_SIGMA * sigma_rad_s * turned_s(motor, sigma_rad_s);
     const float by_both = (BOTH_SHARE - light - turned) / lode_max(later + like_more, FLT_MIN);
     const float by_light = (1.0f / LIGHT_GAIN_MARGIN - light) / lode_max(later, FLT_MIN);
-    return lode_min(lode_min(by_both, by_light), LOAD_FEED_FORWARD);
+    return lode_min(by_both, by_light);
 }
 
 // Bandwidth at low speed (K44). Where a rated load would otherwise stop the rotor, more than a share of sigma, as far as the
@@ -115,7 +117,7 @@ static float firm_rad_s(const lode_motor_t *motor, const lode_speed_loop_t *loop
     const float most_fast = most_rad_s(motor, loop, pll->sigma_rad_s, 0.0f);
     const float wanted = lode_min(HELD_TIMES * stopped, lode_min(most, most_fast));
     const float less_light = LIGHT_GAIN_MARGIN * light_s(&three_times, loop, sigma);
-    const float needed = lode_min(STOPPED_TIMES * stopped, 1.0f / less_light);
+    const float needed = lode_min(STOPPED_TIMES * stopped, 1.0f / lode_max(less_light, FLT_MIN));
     return lode_max(firm, lode_min(lode_max(wanted, needed), HELD_PER_SIGMA * sigma));
 }
 
@@ -137,10 +139,15 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     const float bandwidth = given ? config->kp_Nms / J : lode_min(firm, quiet);
     config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, bandwidth);
     const bool noisy = sigma_low * run_up_s > SIGMA_RUN_UP_NOISY;
-    const float share = fed_share(motor, loop, sigma, config->bandwidth_rad_s);
+    const float left =
+        sigma_low * sigma_low / (sigma * sigma); // of a load fed forward, at speed (K46)
+    const float share =
+        lode_min(fed_share(motor, loop, sigma_low, config->bandwidth_rad_s),
+                 fed_share(motor, loop, sigma, config->bandwidth_rad_s) / lode_max(left, FLT_MIN));
     const bool feeds = (injects || sudden) && !noisy && share > LEAST_FEED_FORWARD;
-    config->load_feed_forward = lode_given_or(config->load_feed_forward, feeds ? share : LODE_NONE);
-    const float fed = lode_max(config->load_feed_forward, 0.0f);
+    config->load_feed_forward = lode_given_or(
+        config->load_feed_forward, feeds ? lode_min(share, LOAD_FEED_FORWARD) : LODE_NONE);
+    const float fed = left * lode_max(config->load_feed_forward, 0.0f);
     const float most_fast = lode_min(quiet, most_rad_s(motor, loop, sigma, fed));
     const float rise =
         lode_min(sigma / sigma_low, most_fast / lode_max(config->bandwidth_rad_s, FLT_MIN));
@@ -208,6 +215,8 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
     if (!lode_is_on_or_off(config->every_period)) {
         return LODE_ERROR_CHOICE;
     }
+    const float fed = lode_max(config->load_feed_forward, 0.0f);
+    const float slower = pll->sigma_low_rad_s / pll->sigma_rad_s;
     *tuning = (lode_speed_tuning_t){
         .pi = {config->kp_Nms, config->ki_Nm * ts_s},
         .rise = config->gain_rise - 1.0f,
@@ -215,7 +224,8 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
         .inv_span = 1.0f / pll->omega_high_rad_s,
         .inv_pole_pairs = 1.0f / motor->pole_pairs,
         .ramp_step = config->ramp_rad_s2 * ts_s,
-        .load_feed_forward = lode_max(config->load_feed_forward, 0.0f),
+        .load_feed_forward = fed,
+        .load_fall = fed * (1.0f - slower * slower),
         .inertia_Nm = lode_max(config->inertia_feed_forward, 0.0f) * motor->J_kgm2 / ts_s,
     };
 #ifndef LODE_WITHOUT_SHAPED_RAMP
@@ -239,7 +249,8 @@ static void set_reference(lode_speed_t *self, float reference_rad_s) {
 
 void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, float omega_rad_s,
                       float torque_Nm, float load_Nm, float most_Nm) {
-    lode_pi_reset(&self->pi, torque_Nm - tuning->load_feed_forward * load_Nm);
+    const float fed = lode_speed_fed(tuning, omega_rad_s / tuning->inv_pole_pairs);
+    lode_pi_reset(&self->pi, torque_Nm - fed * load_Nm);
     set_reference(self, omega_rad_s);
     self->torque_Nm = torque_Nm;
     self->limit_Nm = (lode_range_t){-most_Nm, most_Nm};
@@ -297,13 +308,18 @@ LODE_NOINLINE float lode_speed_shaped_step(lode_speed_t *self, const lode_speed_
 
 #ifndef LODE_WITHOUT_TORQUE_CONTROL
 
+// The estimated load, and the part of it that is fed forward.
+typedef struct {
+    float all_Nm;
+    float fed_Nm;
+} load_t;
+
 // Torque of speed control at an end of the range: with its integral if it holds that end already, else with the load in the
 // integral's place (K13).
 static float torque_at(const lode_speed_t *self, const lode_speed_tuning_t *tuning, float error,
-                       float load_Nm, bool holds) {
-    const float ff = tuning->load_feed_forward * load_Nm;
-    return holds ? lode_pi_output(&self->pi, &tuning->pi, error, ff)
-                 : tuning->pi.kp * error + load_Nm;
+                       load_t load, bool holds) {
+    return holds ? lode_pi_output(&self->pi, &tuning->pi, error, load.fed_Nm)
+                 : tuning->pi.kp * error + load.all_Nm;
 }
 
 // Not LODE_RAMFUNC: once in a round.
@@ -312,18 +328,19 @@ LODE_NOINLINE float lode_speed_torque_target(lode_speed_t *self, const lode_spee
                                              float omega_rad_s, float load_Nm) {
     const float speed = omega_rad_s * tuning->inv_pole_pairs;
     const float gain = lode_speed_gain(tuning, omega_rad_s);
+    const load_t load = {load_Nm, lode_speed_fed(tuning, omega_rad_s) * load_Nm};
     const float torque = lode_clamp(torque_Nm, self->limit_Nm.min, self->limit_Nm.max);
     const bool at_most = !(self->reference_rad_s < between_rad_s.max);
     const bool at_least = !(self->reference_rad_s > between_rad_s.min);
     float target = speed; // the present speed, at this torque
     float held_Nm = torque;
     bool holds = false;
-    if (torque > torque_at(self, tuning, gain * (between_rad_s.max - speed), load_Nm, at_most)) {
+    if (torque > torque_at(self, tuning, gain * (between_rad_s.max - speed), load, at_most)) {
         target = between_rad_s.max;
         held_Nm = load_Nm;
         holds = at_most;
     } else if (torque <
-               torque_at(self, tuning, gain * (between_rad_s.min - speed), load_Nm, at_least)) {
+               torque_at(self, tuning, gain * (between_rad_s.min - speed), load, at_least)) {
         target = between_rad_s.min;
         held_Nm = load_Nm;
         holds = at_least;
@@ -331,7 +348,7 @@ LODE_NOINLINE float lode_speed_torque_target(lode_speed_t *self, const lode_spee
         // between the ends
     }
     if (!holds) {
-        lode_pi_reset(&self->pi, held_Nm - tuning->load_feed_forward * load_Nm);
+        lode_pi_reset(&self->pi, held_Nm - load.fed_Nm);
     }
     set_reference(self, target);
     return target;

@@ -39,6 +39,15 @@ LODE_INLINE float lode_speed_gain(const lode_speed_tuning_t *tuning, float omega
     return 1.0f + tuning->rise * lode_clamp(up, 0.0f, 1.0f);
 }
 
+// Share of the load that is fed forward at the electrical speed `omega_rad_s` (K46).
+LODE_INLINE float lode_speed_fed(const lode_speed_tuning_t *tuning, float omega_rad_s) {
+    if (!(tuning->load_fall > 0.0f)) { // by default
+        return tuning->load_feed_forward;
+    }
+    const float up = 2.0f * lode_abs(omega_rad_s) * tuning->inv_span - 1.0f;
+    return tuning->load_feed_forward - tuning->load_fall * lode_clamp(up, 0.0f, 1.0f);
+}
+
 // Torque reference, Nm, for the mechanical target `target_rad_s` at the estimated ELECTRICAL speed
 // `omega_rad_s` and load torque `load_Nm` (K7, K8).
 LODE_INLINE float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tuning,
@@ -52,7 +61,7 @@ LODE_INLINE float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t 
     const float against = tuning->pi.kp * error;
     const float ramp = push > 0.0f ? lode_clamp(push + against, 0.0f, push)
                                    : lode_clamp(push + against, push, 0.0f);
-    const float ff = tuning->load_feed_forward * load_Nm + ramp;
+    const float ff = lode_speed_fed(tuning, omega_rad_s) * load_Nm + ramp;
     const float unlimited = lode_pi_output(&self->pi, &tuning->pi, error, ff);
     const lode_range_t limit = self->limit_Nm;
     if (lode_in_range(unlimited, limit.min, limit.max)) {

@@ -932,8 +932,10 @@ static void test_a_set_that_may_be_open_is_ignored_where_that_is_asked_for(void)
         double most_A;
         (void)until_frozen(&rig, set, middle, true, &most_A);
         const lode_fault_t fault = rig6_telemetry(&rig).drive.fault;
-        TEST_ASSERT_TRUE(fault.check != (uint_least8_t)LODE_CHECK_CURRENT_STUCK &&
-                         fault.check != (uint_least8_t)LODE_CHECK_OPEN_PHASE);
+        // Without noise the other set's counts rest too once the rotor does: that names neither.
+        TEST_ASSERT_TRUE(fault.check != (uint_least8_t)LODE_CHECK_CURRENT_STUCK ||
+                         fault.measured < 0.5f);
+        TEST_ASSERT_NOT_EQUAL(LODE_CHECK_OPEN_PHASE, fault.check);
     }
 }
 

@@ -397,10 +397,18 @@ static void test_a_rotor_that_is_stopped_is_an_overload(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, by_standing(rig, enough).check);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_OPEN_PHASE, by_standing(rig, enough - 1u).check);
     rig.drive.state.run.waves.lacks[1] = 0u;
+    rig.drive.state.run.waves.lacks[0] = 60000u;
+    const lode_fault_t open = by_standing(rig, 0u);
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OPEN_PHASE, open.check);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, open.measured);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, open.limit);
+    rig.drive.state.run.waves.lacks[0] = 0u;
     // Not where loads are not checked.
     lode_drive_tuning_t without = tuning;
-    without.plausibility.away_rad_s = 0.0f;
     rig.drive.tuning = &without;
+    without.plausibility.away_rad_s = 0.5f;
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, by_standing(rig, checks).check);
+    without.plausibility.away_rad_s = 0.0f;
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, by_standing(rig, checks).check);
 }
 

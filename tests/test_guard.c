@@ -786,9 +786,20 @@ static void test_design_fills_what_is_open(void) {
     TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
 }
 
+/// (K45): at one of four checks of a lock that is being lost.
+static void test_how_often_a_rotor_stands(void) {
+    static const uint_least16_t checks[] = {0u, 4u, 5u, 8u, 9u};
+    for (int n = 0; n < COUNT_OF(checks); n++) {
+        const lode_guard_t guard = {.lock = checks[n],
+                                    .standing = (uint_least16_t)(n == 0 ? 0 : (n + 1) / 2)};
+        TEST_ASSERT_EQUAL(n == 1 || n == 3, lode_guard_saw_it_stand(&guard));
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_a_sound_period_passes);
+    RUN_TEST(test_how_often_a_rotor_stands);
     RUN_TEST(test_over_current_of_every_phase_and_sign_at_once);
     RUN_TEST(test_a_limit_that_is_no_number_trips_at_once);
     RUN_TEST(test_hardware_trip_at_once);

@@ -993,6 +993,26 @@ static void test_a_rotor_that_is_lost_hides_no_fault(void) {
     TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, sensored.mode);
 }
 
+/// No search where a phase may be open (K41), or a load has stopped the rotor (K45); nor without injection.
+static void test_a_lost_lock_that_is_explained_is_not_searched_for(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 1.0, 0.05, 0.0f);
+    rig_run(&rig, 0.5);
+    for (int n = 0; n < 4; n++) {
+        lode_drive_t drive = rig.drive;
+        drive.guard.lock = 8u;
+        static lode_drive_tuning_t tuning;
+        tuning = *rig.drive.tuning;
+        tuning.guard.lock_checks = 8u;
+        tuning.estimator.hfi.find_rounds = n == 3 ? 0u : tuning.estimator.hfi.find_rounds;
+        drive.tuning = &tuning;
+        drive.state.run.waves.lacks[0] = n == 1 ? 9000u : 0u;
+        drive.guard.standing = n == 2 ? 2u : 1u;
+        lode_mode_find_lost(&drive);
+        TEST_ASSERT_EQUAL_INT(n == 0 ? LODE_MODE_START : LODE_MODE_RUN, drive.mode);
+    }
+}
+
 /// With injection the rotor may turn either way: its direction, noted once per round, is none that WRONG_WAY holds it to.
 static void test_either_direction_is_right(void) {
     static rig_t rig;
@@ -1816,6 +1836,7 @@ int main(void) {
     RUN_TEST(test_a_rotor_that_is_lost_is_found_again);
     RUN_TEST(test_a_rotor_that_is_lost_soon_is_found_again);
     RUN_TEST(test_a_rotor_that_is_lost_hides_no_fault);
+    RUN_TEST(test_a_lost_lock_that_is_explained_is_not_searched_for);
     RUN_TEST(test_either_direction_is_right);
     RUN_TEST(test_a_load_that_turns_a_held_rotor);
     RUN_TEST(test_a_loss_by_an_open_phase_trips);

@@ -30,8 +30,8 @@ typedef struct {
     float jerk_rad_s3;      ///< largest rate of change of the slope (S-curve, K33); 0: no limit
     /// share of the torque that the inertia J needs along the ramp, 0 .. 1; 0: 1; LODE_NONE: none
     float inertia_feed_forward;
-    /// share of the estimated load torque that is fed forward, 0 .. 1; LODE_NONE: none. 0: none, but up to 0.5 with injection,
-    /// and where a rated load stops the rotor within 10 ms (K40)
+    /// share of the estimated load torque that is fed forward at low speed, 0 .. 1; less as the PLL's sigma rises (K46).
+    /// LODE_NONE: none. 0: none, but up to 0.5 with injection, and where a rated load stops the rotor within 10 ms (K40)
     float load_feed_forward;
     /// lowest ELECTRICAL speed that is held without an angle sensor; 0: hand-over speed
     float omega_min_rad_s;
@@ -52,8 +52,9 @@ typedef struct {
     float
         jerk_step; ///< largest change of the step, per call; 0: no limit, and ramp_down_step is not used
 #endif
-    float load_feed_forward;
-    float inertia_Nm; ///< torque per mechanical rad/s of a step of the reference
+    float load_feed_forward; ///< share up to half of that electrical speed
+    float load_fall;         ///< what is missing of it from that speed on (K46)
+    float inertia_Nm;        ///< torque per mechanical rad/s of a step of the reference
 } lode_speed_tuning_t;
 
 /// State of speed control.

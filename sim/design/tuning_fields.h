@@ -130,6 +130,7 @@
     ROW(FLOAT, float, speed.ramp_down_step) \
     ROW(FLOAT, float, speed.jerk_step) \
     ROW(FLOAT, float, speed.load_feed_forward) \
+    ROW(FLOAT, float, speed.load_fall) \
     ROW(FLOAT, float, speed.inertia_Nm) \
     ROW(FLOAT, float, start.current_A) \
     ROW(FLOAT, float, start.current_step) \

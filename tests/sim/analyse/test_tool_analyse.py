@@ -323,7 +323,8 @@ def own_loops(checks, folder):
     crossover, margin = crossing(lambda w: pll(w)[0] * 0.5 * (1 + cmath.exp(-1j * w * TS)), 5, 5000)
     near(checks, rows[0]["crossover_rad_s"], crossover, 4e-3 * crossover, "crossover of injection")
     near(checks, rows[0]["phase_margin_deg"], margin, 0.3, "margin of injection")
-    folder.run("analyse", "--set", "speed.every_period=on", "--json", "e.json")
+    same = [x for key in ("bandwidth_rad_s", "gain_rise") for x in ("--set", f"speed.{key}={c['speed'][key]}")]
+    folder.run("analyse", "--set", "speed.every_period=on", *same, "--json", "e.json")
     for row in folder.json("e.json")["loops"]:
         if row["loop"] == "speed, PI alone" and round(row["speed_rpm"]) in (300, 1500):
             crossover, margin = crossing(speed(round(row["speed_rpm"]), 1), 5, 5000)

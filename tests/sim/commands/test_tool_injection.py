@@ -51,11 +51,11 @@ def mismatch(checks, folder):
         worst = max(worst, *means)
         checks.equal(len(means), 9, "phases with a wrong Lq")
     checks.at_most(worst, 0.5, "degrees with a wrong Lq")
-    # Without it the angle is off by as many degrees as Lq is wrong, and the rotor is lost where Lq is halved.
+    # Without it the angle is off by as many degrees as Lq is wrong, and the rotor is lost where Lq is halved or doubled.
     phases, said = run(checks, folder, "zero_mismatch", ["hfi.learn=off"], code=1)
     off = [abs(p["angle_error_deg"]["mean"]) for name, p in phases.items() if name.startswith("at_300")]
     checks.true(max(off) > 5, "a wrong Lq shows")
-    checks.true("attempt 1 failed: PROOF" in said or "LOST_LOCK" in said, said)
+    checks.true(any(x in said for x in ("attempt 1 failed: PROOF", "LOST_LOCK", "OVERLOAD")), said)
 
 
 def without_disturbance_state(checks, folder):
@@ -100,10 +100,11 @@ def handover(checks, folder):
 
 
 def no_polarity(checks, folder):
-    """Starts on iron that tells none, little salient too, and with three times the inertia that the drive knows."""
+    """Starts on iron that tells none, little salient too, and with three times the inertia that the drive knows, which
+    takes longer to settle."""
     little = [s for s in LITTLE_SALIENT if not s.startswith("phase.")]
     for more in [[], little]:
-        for heavy in [[], ["plant.J_kgm2=0.0522"]]:
+        for heavy in [[], ["plant.J_kgm2=0.0522", "phase.up.duration_s=2"]]:
             sets = [x for s in [*more, *heavy] for x in ("--set", s)]
             done = folder.run("run", "zero_no_polarity", "--seeds", "1-25", *sets)
             checks.equal(done.returncode, 0, f"{sets}: {done.stdout[-300:]}{done.stderr}")
