@@ -13,7 +13,7 @@
 /// Limits of the angle error, at the end and at any time in RUN, hand-over included.
 #define JUDGE_ANGLE_SETTLED_rad 0.00873f // half a degree
 #define JUDGE_ANGLE_RUN_rad                                                                        \
-    0.111f // 6.36 degrees: nine of ten hand-overs (docs/observer-choice.md, starts)
+    0.217f // 12.4 degrees: the largest of 60 (docs/observer-choice.md, starts)
 
 /// Takes one period: `plant` at its start, `now` the telemetry of the drive. Call in the period.
 void judge_note(const plant_t *plant, const lode_telemetry_t *now);
