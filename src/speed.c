@@ -139,8 +139,8 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     const float bandwidth = given ? config->kp_Nms / J : lode_min(firm, quiet);
     config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, bandwidth);
     const bool noisy = sigma_low * run_up_s > SIGMA_RUN_UP_NOISY;
-    const float left =
-        sigma_low * sigma_low / (sigma * sigma); // of a load fed forward, at speed (K46)
+    const float slower = sigma_low / sigma;
+    const float left = slower * slower; // of a load fed forward, at speed (K46)
     const float share =
         lode_min(fed_share(motor, loop, sigma_low, config->bandwidth_rad_s),
                  fed_share(motor, loop, sigma, config->bandwidth_rad_s) / lode_max(left, FLT_MIN));
@@ -216,7 +216,7 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
         return LODE_ERROR_CHOICE;
     }
     const float fed = lode_max(config->load_feed_forward, 0.0f);
-    const float slower = pll->sigma_low_rad_s / pll->sigma_rad_s;
+    const float slower = pll->sigma_low_rad_s / lode_max(pll->sigma_rad_s, FLT_MIN);
     *tuning = (lode_speed_tuning_t){
         .pi = {config->kp_Nms, config->ki_Nm * ts_s},
         .rise = config->gain_rise - 1.0f,

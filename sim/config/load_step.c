@@ -18,11 +18,17 @@ static double gain_at(const lode_speed_tuning_t *tuning, double omega_rad_s) {
     return 1.0 + (double)tuning->rise * fmin(fmax(up, 0.0), 1.0);
 }
 
+/// The share of the load that is fed forward (K46).
+static double fed_at(const lode_speed_tuning_t *tuning, double omega_rad_s) {
+    const double up = 2.0 * omega_rad_s * (double)tuning->inv_span - 1.0;
+    return (double)tuning->load_feed_forward - (double)tuning->load_fall * fmin(fmax(up, 0.0), 1.0);
+}
+
 /// The load step that makes the speed dip to the lowest usable speed; with injection no speed is too low.
 static double by_speed_Nm(const lode_drive_config_t *drive, const lode_speed_tuning_t *tuning,
                           double omega_rad_s) {
     const double room = omega_rad_s - FLOOR_SHARE * (double)drive->start.omega_handover_rad_s;
-    const double fed = 1.0 - FED_IN_TIME * fmax((double)drive->speed.load_feed_forward, 0.0);
+    const double fed = 1.0 - FED_IN_TIME * fed_at(tuning, omega_rad_s);
     const double kp = gain_at(tuning, omega_rad_s) * (double)drive->speed.kp_Nms;
     if (drive->hfi.mode == LODE_HFI_ON) {
         return HUGE_VAL;
