@@ -32,9 +32,9 @@
 // Uncertainty of the inductances, as for (S34) and (K16), and of the resistance; the drops have that of the resistance.
 #define L_UNSURE 0.2f
 #define R_UNSURE 0.5f
-#define FLUX_CURRENT 9.0f  // squared: 3 times the least current to be judged, 0.15 of i_max
-#define FLUX_s 0.05f       // longer than a fast speed change makes the estimated speed lag the EMF
-#define STANDS_SHARE 0.25f // (K45): of the speed reference
+#define FLUX_CURRENT 9.0f   // squared: 3 times the least current to be judged, 0.15 of i_max
+#define FLUX_s 0.05f        // longer than a fast speed change makes the estimated speed lag the EMF
+#define STOPPED_SHARE 0.25f // (K45): of the speed reference
 
 #ifndef LODE_WITHOUT_PLAUSIBILITY
 
@@ -588,12 +588,12 @@ static turning_t turning(const lode_drive_t *self, lode_flux_t flux) {
 }
 
 // Counts the looks at which the rotor hardly turns. Not with the angle of a sensor, whose loads are judged by its speed.
-static void note_standing(lode_drive_t *self, turning_t rotor) {
+static void note_stopped(lode_drive_t *self, turning_t rotor) {
     lode_guard_t *guard = &self->guard;
     const bool looks = self->tuning->plausibility.away_rad_s > 0.0f && !lode_mode_is_sensored(self);
-    const bool stands = looks && rotor.seen_rad_s < STANDS_SHARE * rotor.wanted_rad_s;
-    const uint32_t before = guard->lock > 1u ? guard->standing : 0u;
-    guard->standing = (uint_least16_t)(stands ? before + 1u : before);
+    const bool stands = looks && rotor.seen_rad_s < STOPPED_SHARE * rotor.wanted_rad_s;
+    const uint32_t before = guard->lock > 1u ? guard->stopped : 0u;
+    guard->stopped = (uint_least16_t)(stands ? before + 1u : before);
 }
 
 static void rename_fault(lode_guard_t *guard, lode_check_t check, float measured, float limit) {
@@ -615,14 +615,14 @@ static void name_lost_lock(lode_drive_t *self) {
         return;
     }
     const turning_t rotor = turning(self, flux);
-    note_standing(self, rotor);
+    note_stopped(self, rotor);
     if (guard->fault.check != (uint_least8_t)LODE_CHECK_LOST_LOCK) {
         return;
     }
     const lode_open_phase_t open = lode_half_waves_suspect(&self->state.run.waves);
-    if (lode_guard_saw_it_stand(guard)) {
+    if (lode_guard_saw_rotor_stopped(guard)) {
         rename_fault(guard, LODE_CHECK_OVERLOAD,
-                     lode_min(rotor.seen_rad_s, STANDS_SHARE * rotor.wanted_rad_s),
+                     lode_min(rotor.seen_rad_s, STOPPED_SHARE * rotor.wanted_rad_s),
                      rotor.wanted_rad_s);
     } else if (open > 0u) {
         rename_fault(guard, LODE_CHECK_OPEN_PHASE, (float)open, 0.0f);

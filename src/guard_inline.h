@@ -23,10 +23,10 @@ LODE_INLINE bool lode_guard_found_nothing_else(const lode_guard_t *self) {
 }
 
 // (K45): of so many checks of a lock that is being lost, the rotor hardly turned at one.
-#define LODE_STANDS_LOOKS 4u
+#define LODE_STOPPED_CHECKS 4u
 
-LODE_INLINE bool lode_guard_saw_it_stand(const lode_guard_t *self) {
-    return self->standing > 0u && LODE_STANDS_LOOKS * self->standing >= self->lock;
+LODE_INLINE bool lode_guard_saw_rotor_stopped(const lode_guard_t *self) {
+    return self->stopped > 0u && LODE_STOPPED_CHECKS * self->stopped >= self->lock;
 }
 
 // Takes that lost lock back: the drive does something about it.

@@ -156,7 +156,7 @@ static void find_at_rest(lode_drive_t *self) {
 // A phase may be open (K41), or a load has stopped the rotor (K45): no search helps.
 static bool is_explained(const lode_drive_t *self) {
     return lode_half_waves_suspect(&self->state.run.waves) > 0u ||
-           lode_guard_saw_it_stand(&self->guard);
+           lode_guard_saw_rotor_stopped(&self->guard);
 }
 
 #else

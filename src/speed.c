@@ -24,27 +24,29 @@ typedef struct {
 // from a free rotor in 1/bandwidth (K15).
 #define RATED_LOAD (2.0f / 3.0f)
 #define DIP 0.735759f
-// (K16): uncertainty of Lq, and what the bandwidth times sigma is divided by where the loop that it closes swings.
+// (K16): uncertainty of Lq, and the fit to where the loop that it closes swings.
 #define L_UNSURE 0.2f
 #define TURNED_PER_SIGMA 1.37f
 static const light_t four_times = {0.75f, 4.9f};
 #define LIGHT_GAIN_MARGIN 1.41f // 3 dB
-// A load that is fed forward delays the light rotor's loop by as much per share and tau; to the other, its share of sigma/3 is
-// like bandwidth. More than a half would leave little of the damping.
+#define BOTH_SHARE 0.9f         // (K44): 1 dB, for a light rotor and a wrong Lq at once
+// (K37): bandwidths with which a rated load, by (K18), takes half of the lowest speed, and nine tenths of it; and no more of
+// sigma than leaves the loop an octave inside the PLL.
+#define HELD_TIMES 2.4f
+#define STOPPED_TIMES 1.35f
+// An error of Lq does not lower it so far that such a load takes more than two thirds of the lowest speed.
+#define FIRM_TIMES 1.5f
+#define HELD_PER_SIGMA 0.5f
+// A rotor that a rated load stops within 10 ms: no loop holds that one.
+#define STOPPED_MAX_rad_s 74.0f
+// (K40): a load that is fed forward delays the light rotor's loop by as much per share and tau; to the loop through Lq its share
+// of sigma/3 is like bandwidth. More than a half would leave little of the damping.
 #define LIGHT_FED 2.7f
 #define FED_PER_SIGMA (1.0f / 3.0f)
 #define LOAD_FEED_FORWARD 0.5f
 #define LEAST_FEED_FORWARD 0.01f // less is none
 // Where the PLL is this much faster than the rotor, the estimated load is mostly noise.
 #define SIGMA_RUN_UP_NOISY 78.0f
-#define BOTH_SHARE 0.9f // (K44): 1 dB, for a light rotor and a wrong Lq at once
-// (K44): bandwidths with which a rated load, by (K18), takes half of the lowest speed, and nine tenths of it; and no more of
-// sigma than leaves the loop an octave inside the PLL.
-#define HELD_TIMES 2.4f
-#define STOPPED_TIMES 1.35f
-#define HELD_PER_SIGMA 0.5f
-// A rotor that a rated load stops within 10 ms: no loop holds that one.
-#define STOPPED_MAX_rad_s 74.0f
 
 #ifndef LODE_WITHOUT_SHAPED_RAMP
 
@@ -103,13 +105,33 @@ static float fed_share(const lode_motor_t *motor, const lode_speed_loop_t *loop,
     return lode_min(by_both, by_light);
 }
 
-// Bandwidth at low speed (K44). Where a rated load would otherwise stop the rotor, more than a share of sigma, as far as the
-// margins allow it at every speed; and where they leave too little, with a margin for a rotor three times lighter (K37).
+// (K46): what is left at speed of a share of the load that is fed forward.
+static float left_at_speed(const lode_pll_config_t *pll) {
+    const float slower = pll->sigma_low_rad_s / lode_max(pll->sigma_rad_s, FLT_MIN);
+    return slower * slower;
+}
+
+// (K40), at low speed and at speed. LODE_NONE: the margins leave no share, or the estimated load is noise.
+static float default_share(const lode_motor_t *motor, const lode_speed_loop_t *loop,
+                           const lode_pll_config_t *pll, float bandwidth_rad_s, float run_up_s) {
+    const float slow = fed_share(motor, loop, pll->sigma_low_rad_s, bandwidth_rad_s);
+    const float fast = fed_share(motor, loop, pll->sigma_rad_s, bandwidth_rad_s) /
+                       lode_max(left_at_speed(pll), FLT_MIN);
+    const float share = lode_min(lode_min(slow, fast), LOAD_FEED_FORWARD);
+    const bool noisy = pll->sigma_low_rad_s * run_up_s > SIGMA_RUN_UP_NOISY;
+    return !noisy && share > LEAST_FEED_FORWARD ? share : LODE_NONE;
+}
+
+// Bandwidth at low speed (K37). `holds`: where a rated load would otherwise stop the rotor, more than a share of sigma, as far as
+// the margins allow it at every speed; and where they leave too little, with a margin for a rotor three times lighter.
 static float firm_rad_s(const lode_motor_t *motor, const lode_speed_loop_t *loop,
                         const lode_pll_config_t *pll, float stopped, bool holds) {
     const float sigma = lode_max(pll->sigma_low_rad_s, FLT_MIN);
     const float most = most_rad_s(motor, loop, sigma, 0.0f);
-    const float firm = lode_min(BANDWIDTH_PER_SIGMA * sigma, most);
+    const float light =
+        1.0f / lode_max(LIGHT_GAIN_MARGIN * light_s(&four_times, loop, sigma), FLT_MIN);
+    const float least = lode_min(light, FIRM_TIMES * stopped);
+    const float firm = lode_min(BANDWIDTH_PER_SIGMA * sigma, lode_max(most, least));
     if (!holds) {
         return firm;
     }
@@ -130,24 +152,19 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     const bool given = config->kp_Nms > 0.0f;
     const float run_up_s = lode_max(lode_motor_run_up_s(motor, inverter->i_max_A), FLT_MIN);
     config->omega_min_rad_s = lode_given_or(config->omega_min_rad_s, omega_handover_rad_s);
-    const float stopped = stopped_rad_s(config, inverter, motor);
+    // with injection no load is too large for a low speed
+    const float stopped = injects ? 0.0f : stopped_rad_s(config, inverter, motor);
     const bool sudden = stopped > STOPPED_MAX_rad_s;
-    // A QPLL does not know the torque, and with injection no load is too large for a low speed.
-    const bool holds = pll->kind == LODE_PLL_LESO && !injects && !sudden;
-    const float firm = firm_rad_s(motor, loop, pll, stopped, holds);
+    const bool knows = pll->kind == LODE_PLL_LESO; // torque and load; a QPLL does not
+    const float firm = firm_rad_s(motor, loop, pll, stopped, knows && !sudden);
     const float quiet = BANDWIDTH_RUN_UP_MAX / run_up_s;
     const float bandwidth = given ? config->kp_Nms / J : lode_min(firm, quiet);
     config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, bandwidth);
-    const bool noisy = sigma_low * run_up_s > SIGMA_RUN_UP_NOISY;
-    const float slower = sigma_low / sigma;
-    const float left = slower * slower; // of a load fed forward, at speed (K46)
-    const float share =
-        lode_min(fed_share(motor, loop, sigma_low, config->bandwidth_rad_s),
-                 fed_share(motor, loop, sigma, config->bandwidth_rad_s) / lode_max(left, FLT_MIN));
-    const bool feeds = (injects || sudden) && !noisy && share > LEAST_FEED_FORWARD;
-    config->load_feed_forward = lode_given_or(
-        config->load_feed_forward, feeds ? lode_min(share, LOAD_FEED_FORWARD) : LODE_NONE);
-    const float fed = left * lode_max(config->load_feed_forward, 0.0f);
+    const float share = knows && (injects || sudden)
+                            ? default_share(motor, loop, pll, config->bandwidth_rad_s, run_up_s)
+                            : LODE_NONE;
+    config->load_feed_forward = lode_given_or(config->load_feed_forward, share);
+    const float fed = left_at_speed(pll) * lode_max(config->load_feed_forward, 0.0f);
     const float most_fast = lode_min(quiet, most_rad_s(motor, loop, sigma, fed));
     const float rise =
         lode_min(sigma / sigma_low, most_fast / lode_max(config->bandwidth_rad_s, FLT_MIN));
@@ -216,7 +233,6 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
         return LODE_ERROR_CHOICE;
     }
     const float fed = lode_max(config->load_feed_forward, 0.0f);
-    const float slower = pll->sigma_low_rad_s / lode_max(pll->sigma_rad_s, FLT_MIN);
     *tuning = (lode_speed_tuning_t){
         .pi = {config->kp_Nms, config->ki_Nm * ts_s},
         .rise = config->gain_rise - 1.0f,
@@ -225,7 +241,7 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
         .inv_pole_pairs = 1.0f / motor->pole_pairs,
         .ramp_step = config->ramp_rad_s2 * ts_s,
         .load_feed_forward = fed,
-        .load_fall = fed * (1.0f - slower * slower),
+        .load_fall = fed * (1.0f - left_at_speed(pll)),
         .inertia_Nm = lode_max(config->inertia_feed_forward, 0.0f) * motor->J_kgm2 / ts_s,
     };
 #ifndef LODE_WITHOUT_SHAPED_RAMP

@@ -378,8 +378,8 @@ static lode_fault_t by_standing(rig_t rig, uint32_t low) {
 /// (K45): less than a quarter of the speed reference by the EMF, at a quarter of the checks.
 static void test_a_rotor_that_is_stopped_is_an_overload(void) {
     rig_t rig = running(100.0, 8.0);
-    rig_run(&rig, 0.5);               // the start is over
-    rig.drive.guard.standing = 1000u; // of a lock that came back
+    rig_run(&rig, 0.5);              // the start is over
+    rig.drive.guard.stopped = 1000u; // of a lock that came back
     const uint32_t checks = rig.drive.tuning->guard.lock_checks;
     const uint32_t enough = (checks + 3u) / 4u;
     TEST_ASSERT_TRUE(enough > 2u);

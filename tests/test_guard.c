@@ -791,8 +791,8 @@ static void test_how_often_a_rotor_stands(void) {
     static const uint_least16_t checks[] = {0u, 4u, 5u, 8u, 9u};
     for (int n = 0; n < COUNT_OF(checks); n++) {
         const lode_guard_t guard = {.lock = checks[n],
-                                    .standing = (uint_least16_t)(n == 0 ? 0 : (n + 1) / 2)};
-        TEST_ASSERT_EQUAL(n == 1 || n == 3, lode_guard_saw_it_stand(&guard));
+                                    .stopped = (uint_least16_t)(n == 0 ? 0 : (n + 1) / 2)};
+        TEST_ASSERT_EQUAL(n == 1 || n == 3, lode_guard_saw_rotor_stopped(&guard));
     }
 }
 

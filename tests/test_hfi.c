@@ -1007,7 +1007,7 @@ static void test_a_lost_lock_that_is_explained_is_not_searched_for(void) {
         tuning.estimator.hfi.find_rounds = n == 3 ? 0u : tuning.estimator.hfi.find_rounds;
         drive.tuning = &tuning;
         drive.state.run.waves.lacks[0] = n == 1 ? 9000u : 0u;
-        drive.guard.standing = n == 2 ? 2u : 1u;
+        drive.guard.stopped = n == 2 ? 2u : 1u;
         lode_mode_find_lost(&drive);
         TEST_ASSERT_EQUAL_INT(n == 0 ? LODE_MODE_START : LODE_MODE_RUN, drive.mode);
     }

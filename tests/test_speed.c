@@ -581,6 +581,9 @@ static void test_a_sudden_load_is_fed_forward(void) {
     with.omega_min = 0.99 * stopped_rad_s / 0.4 * 25.0 / 74.0;
     TEST_ASSERT_EQUAL_FLOAT(0.5f, designed(with).load_feed_forward);
     CHECK_CLOSE(1.0e-6, 25.0, designed(with).bandwidth_rad_s);
+    with.qpll = true; // which estimates none
+    TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, designed(with).load_feed_forward);
+    with.qpll = false;
     with.Lq = 4.0; // no margin is left
     TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, designed(with).load_feed_forward);
 }
@@ -643,6 +646,16 @@ static void test_a_load_that_would_stop_the_rotor_asks_for_more_gain(void) {
     other.qpll = false;
     other.injects = true;
     CHECK_CLOSE(1.0e-5, held, designed(other).bandwidth_rad_s);
+    // But an error of Lq does not lower it so far that a rated load takes more than two thirds of the speed (K15).
+    with_t firm = {.Lq = 4.0, .omega_min = 60.0, .qpll = true};
+    const double firm_rad_s = 1.5 * stopped_rad_s * 25.0 / 60.0;
+    TEST_ASSERT_TRUE(1.2 * most_rad_s(firm, 100.0, 0.0) < firm_rad_s && firm_rad_s < 25.0);
+    CHECK_CLOSE(1.0e-5, firm_rad_s, designed(firm).bandwidth_rad_s);
+    firm.injects = true;
+    CHECK_CLOSE(1.0e-5, most_rad_s(firm, 100.0, 0.0), designed(firm).bandwidth_rad_s);
+    firm.injects = false;
+    firm.delay_s = 20.0e-3; // but what a lighter rotor leaves does
+    CHECK_CLOSE(1.0e-5, 1.0 / (1.41 * light_s(firm, 100.0)), designed(firm).bandwidth_rad_s);
 }
 
 /// A rotor `light` times as light as the drive believes, whose torque turns the EMF's angle by `turned` (s^2) times the

@@ -149,13 +149,13 @@ typedef struct {
         lock; ///< debounce counter of the lock; START: rounds with too large a flux (S34)
     uint_least16_t speed;       ///< debounce counter of speed and direction
     uint_least16_t flux_rounds; ///< RUN: rounds with a wrong flux although the lock holds
-    uint_least16_t standing;    ///< looks at a lost lock at which the rotor hardly turned (K45)
-    uint_least16_t trips;       ///< faults since begin, modulo 65536
-    float still_V;              ///< bus voltage one round ago
-    bool railed;                ///< a sample was at a rail since the last lode_guard_check_slow()
-    bool pending;               ///< a counter is not 0
-    bool flux;  ///< while the lock counted as lost, only the size of the EMF was wrong
-    bool fresh; ///< the fault has been latched in this period
+    uint_least16_t stopped; ///< checks of a lock being lost at which the rotor hardly turned (K45)
+    uint_least16_t trips;   ///< faults since begin, modulo 65536
+    float still_V;          ///< bus voltage one round ago
+    bool railed;            ///< a sample was at a rail since the last lode_guard_check_slow()
+    bool pending;           ///< a counter is not 0
+    bool flux;              ///< while the lock counted as lost, only the size of the EMF was wrong
+    bool fresh;             ///< the fault has been latched in this period
 } lode_guard_t;
 
 /// Search for a shorted switch, of one bridge, with the gates off.
