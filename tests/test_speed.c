@@ -653,6 +653,10 @@ static void test_a_load_that_would_stop_the_rotor_asks_for_more_gain(void) {
     CHECK_CLOSE(1.0e-5, firm_rad_s, designed(firm).bandwidth_rad_s);
     firm.injects = true;
     CHECK_CLOSE(1.0e-5, most_rad_s(firm, 100.0, 0.0), designed(firm).bandwidth_rad_s);
+    firm.Lq = 400.0;
+    TEST_ASSERT_TRUE(most_rad_s(firm, 100.0, 0.0) < 1.0);
+    CHECK_CLOSE(1.0e-5, most_rad_s(firm, 100.0, 0.0), designed(firm).bandwidth_rad_s);
+    firm.Lq = 4.0;
     firm.injects = false;
     firm.delay_s = 20.0e-3; // but what a lighter rotor leaves does
     CHECK_CLOSE(1.0e-5, 1.0 / (1.41 * light_s(firm, 100.0)), designed(firm).bandwidth_rad_s);

@@ -1,9 +1,9 @@
 // The whole drive, from rest or from one that runs, weakens its field, slows down, injects, makes a torque, has a
 // sensor or is shorted: any counts, stamps, commands, tunings, torque limits and estimates from outside in any order
-// give duties in range, and a picture in numbers.
+// give duties in range, and a picture in numbers. The main loop adapts, learns and limits the torque.
 #include "support/fuzz_loop.h"
 
-#include "lodestar/adaptation.h"
+#include "lodestar/learn.h"
 
 enum {
     AT_REST,
@@ -13,6 +13,7 @@ enum {
     SLOWING,
     INJECTING,
     SEARCHING,
+    LEARNING,
     BY_TORQUE,
     BY_ENCODER,
     BY_HALL,
@@ -29,12 +30,18 @@ typedef struct {
     plant_truth_t truth;
     fuzz_guide_t guide;
     fuzz_loop_t loop;
+    bool learns;
+    lode_learn_t learn;
 } pair_t;
 
 static lode_drive_tuning_t plain_tuning;
 static lode_drive_tuning_t injecting_tuning;
 static fuzz_sensors_t sensors;
 static lode_adaptation_t adaptation;
+static lode_drive_config_t learning_config;
+static lode_learn_tuning_t learn_tuning;
+static lode_drive_tuning_t learned_tuning[2];
+static uint32_t learned; // tunings of them that were posted
 
 // One period of the drive, in one call or with an estimate from outside.
 static lode_drive_out_t drive_step(pair_t *self, const lode_counts_t *counts) {
@@ -57,6 +64,21 @@ static void adapt(pair_t *self, lode_telemetry_t *t) {
     fuzz_check_adapted(&t->motor);
 }
 
+// Whatever was learned, a tuning can be made for it.
+static void learn(pair_t *self, const lode_telemetry_t *t) {
+    const bool news = lode_learn_step(&self->learn, &learn_tuning, t, FUZZ_LOOP_s);
+    const lode_learned_t *now = &self->learn.now;
+    FUZZ_CHECK(lode_in_range(now->Lq_H, learn_tuning.Lq_H.min, learn_tuning.Lq_H.max));
+    FUZZ_CHECK(lode_in_range(now->psi_Wb, learn_tuning.psi_Wb.min, learn_tuning.psi_Wb.max));
+    FUZZ_CHECK(lode_in_range(now->confidence, 0.0f, 1.0f));
+    if (news && lode_drive_tuning_taken(&self->drive)) {
+        lode_drive_tuning_t *next = &learned_tuning[learned % 2u];
+        FUZZ_CHECK(lode_learn_tune(&self->learn, next, &learning_config) == LODE_OK);
+        FUZZ_CHECK(lode_drive_post_tuning(&self->drive, next) == LODE_OK);
+        learned++;
+    }
+}
+
 // One period: what the drive does of `counts`, which the motor may have seen.
 static void step(pair_t *self, const lode_counts_t *counts) {
     const lode_drive_out_t out = drive_step(self, counts);
@@ -69,6 +91,9 @@ static void step(pair_t *self, const lode_counts_t *counts) {
     fuzz_loop_step(&self->loop, &self->drive, &t);
     if (self->loop.adapts && self->loop.periods % FUZZ_LOOP_PERIODS == 0u) {
         adapt(self, &t);
+    }
+    if (self->learns && self->loop.periods % FUZZ_LOOP_PERIODS == 0u) {
+        learn(self, &t);
     }
 }
 
@@ -145,6 +170,23 @@ static void make_injecting(pair_t snapshots[SNAPSHOTS]) {
     snapshots[INJECTING] = now;
 }
 
+// Learns where the EMF and injection both tell the position: a measurement has begun.
+static void make_learning(pair_t snapshots[SNAPSHOTS]) {
+    pair_t now = snapshots[INJECTING];
+    command(&now, 30.0f);
+    plant_set_load(&now.plant, 3.0);
+    run(&now, 5000u);
+    now.learns = true;
+    const lode_motor_t motor = fuzz_motor();
+    const lode_learned_t stored = {0.9f * motor.Lq_H, motor.psi_Wb, 0.5f};
+    lode_learn_begin(&now.learn, &learn_tuning, &learning_config, &stored);
+    run(&now, 700u);
+    FUZZ_CHECK(mode(&now) == LODE_MODE_RUN && now.learn.samples > 20.0f);
+    snapshots[LEARNING] = now;
+    run(&now, 1000u);
+    FUZZ_CHECK(learned > 0u);
+}
+
 // A torque; a short circuit at speed.
 static void make_others(pair_t snapshots[SNAPSHOTS]) {
     pair_t now = snapshots[RUNNING];
@@ -180,10 +222,15 @@ static void make_all(pair_t snapshots[SNAPSHOTS]) {
     config.guard.stamp_per_period = FUZZ_STAMP;
     FUZZ_CHECK(lode_drive_tune(&plain_tuning, &config) == LODE_OK);
     config.hfi.mode = LODE_HFI_ON;
+    config.hfi.learn = LODE_ON;
     FUZZ_CHECK(lode_drive_tune(&injecting_tuning, &config) == LODE_OK);
+    learning_config = config;
+    lode_drive_design(&learning_config);
+    FUZZ_CHECK(lode_learn_design(&learn_tuning, &config, LODE_AUTO) == LODE_OK);
     fuzz_sensors_init(&sensors, &plain_tuning);
     make(snapshots);
     make_injecting(snapshots);
+    make_learning(snapshots);
     make_others(snapshots);
     snapshots[BY_ENCODER] = guided(FUZZ_BY_ENCODER);
     snapshots[BY_HALL] = guided(FUZZ_BY_HALL);
@@ -224,10 +271,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     config.guard.stamp_per_period = FUZZ_STAMP;
     lode_drive_tuning_t tuning;
     FUZZ_CHECK(lode_drive_tune(&tuning, &config) == LODE_OK);
-    pair_t now = snapshots[fuzz_byte(&in) % SNAPSHOTS];
+    const uint8_t begin = fuzz_byte(&in);
+    pair_t now = snapshots[begin % SNAPSHOTS];
     const lode_motor_t motor = fuzz_motor();
-    FUZZ_CHECK(lode_adaptation_init(&adaptation, &(lode_adaptation_config_t){.J = LODE_AUTO},
-                                    now.tuning, &motor, NULL) == LODE_OK);
+    const fuzz_adaptation_t by = fuzz_adaptation(&in, begin / SNAPSHOTS);
+    FUZZ_CHECK(lode_adaptation_init(&adaptation, &by.config, now.tuning, &motor,
+                                    by.has ? &by.stored : NULL) == LODE_OK);
     uint32_t periods = 0u;
     while (fuzz_more(&in) && periods < PERIODS_MAX) {
         const uint32_t more = choose(&now, &in, fuzz_byte(&in), &tuning);

@@ -232,10 +232,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const lode_drive6_config_t config = drive_config(choice, source, answer);
     lode_drive6_tuning_t tuning;
     FUZZ_CHECK(lode_drive6_tune(&tuning, &config) == LODE_OK);
-    pair_t now = snapshots[fuzz_byte(&in) % SNAPSHOTS];
+    const uint8_t begin = fuzz_byte(&in);
+    pair_t now = snapshots[begin % SNAPSHOTS];
     const lode_motor_t motor = fuzz_motor();
-    FUZZ_CHECK(lode_adaptation6_init(&adaptation, &(lode_adaptation_config_t){.J = LODE_AUTO},
-                                     now.tuning, &motor, NULL) == LODE_OK);
+    const fuzz_adaptation_t by = fuzz_adaptation(&in, begin / SNAPSHOTS);
+    FUZZ_CHECK(lode_adaptation6_init(&adaptation, &by.config, now.tuning, &motor,
+                                     by.has ? &by.stored : NULL) == LODE_OK);
     uint32_t periods = 0u;
     while (fuzz_more(&in) && periods < PERIODS_MAX) {
         const uint8_t what = fuzz_byte(&in);

@@ -1,14 +1,29 @@
-/// The main loop of a fuzzed drive: torque limits, supervisor and brake chopper.
+/// The main loop of a fuzzed drive: torque limits, derating, limits of the supply, supervisor and brake chopper.
 #ifndef SUPPORT_FUZZ_LOOP_H
 #define SUPPORT_FUZZ_LOOP_H
 
 #include "support/fuzz_guide.h"
 
+#include "lodestar/adaptation.h"
 #include "lodestar/chopper.h"
+#include "lodestar/derate.h"
 #include "lodestar/supervisor.h"
+#include "lodestar/supply.h"
 
 /// Periods per call of the main loop.
 #define FUZZ_LOOP_PERIODS 8u
+#define FUZZ_LOOP_s (2.0e-4f * (float)FUZZ_LOOP_PERIODS)
+
+/// Limits of the torque that the main loop computes.
+typedef struct {
+    bool on;
+    bool measures;  ///< the supply's current is measured, `supply_A`
+    float supply_A; ///< any number
+    lode_derate_tuning_t derate_tuning;
+    lode_derate_t derate;
+    lode_supply_tuning_t supply_tuning;
+    lode_supply_t supply;
+} fuzz_limits_t;
 
 typedef struct {
     lode_command_t wanted; ///< posted last
@@ -22,7 +37,46 @@ typedef struct {
     lode_supervisor_t supervisor;
     lode_chopper_tuning_t chopper_tuning;
     lode_chopper_t chopper;
+    fuzz_limits_t limits;
 } fuzz_loop_t;
+
+static inline void fuzz_limits_init(fuzz_limits_t *self) {
+    // So little that both limit within the periods of an input.
+    const lode_derate_config_t derate = {
+        .i_max_A = 12.0f, .i_continuous_A = 3.0f, .winding_s = 0.1f, .to_degC = 100.0f};
+    const lode_supply_config_t supply = {.battery_A = 1.0f, .regen_A = 0.5f, .correct_s = 0.01f};
+    const lode_drive_config_t drive = fuzz_drive_config(0u);
+    FUZZ_CHECK(lode_derate_tune(&self->derate_tuning, &derate) == LODE_OK);
+    FUZZ_CHECK(lode_supply_tune(&self->supply_tuning, &supply, &drive) == LODE_OK);
+    lode_derate_reset(&self->derate, 0.0f);
+    lode_supply_reset(&self->supply);
+}
+
+static inline void fuzz_limits_step(fuzz_limits_t *self, lode_drive_t *drive,
+                                    const lode_telemetry_t *t) {
+    const float by_heat = lode_derate_step(&self->derate, &self->derate_tuning, t, FUZZ_LOOP_s);
+    const float modelled_A = lode_supply_current_A(&self->supply_tuning, t);
+    FUZZ_CHECK(lode_is_finite(modelled_A));
+    const lode_shares_t share =
+        lode_supply_step(&self->supply, &self->supply_tuning, t,
+                         self->measures ? self->supply_A : modelled_A, FUZZ_LOOP_s);
+    FUZZ_CHECK(lode_in_range(by_heat, 0.0f, 1.0f) && lode_is_finite(self->derate.heat));
+    FUZZ_CHECK(lode_in_range(share.motoring, 0.0f, 1.0f));
+    FUZZ_CHECK(lode_in_range(share.braking, 0.0f, 1.0f));
+    lode_drive_limit_torques(drive, lode_min(by_heat, share.motoring),
+                             lode_min(by_heat, share.braking));
+}
+
+static inline void fuzz_limits_choose(fuzz_limits_t *self, fuzz_t *in) {
+    const uint8_t choice = fuzz_byte(in);
+    self->on = choice % 4u != 0u;
+    self->measures = choice % 4u == 1u;
+    if (self->measures) {
+        self->supply_A = fuzz_number(in, 10.0f);
+    } else if (choice % 4u == 2u) {
+        lode_derate_reset(&self->derate, fuzz_number(in, 4.0f));
+    }
+}
 
 static inline void fuzz_loop_init(fuzz_loop_t *self) {
     const lode_chopper_config_t chopper = {.on_V = 210.0f,
@@ -34,6 +88,7 @@ static inline void fuzz_loop_init(fuzz_loop_t *self) {
     *self = (fuzz_loop_t){.wanted = {.mode = LODE_MODE_OFF}};
     FUZZ_CHECK(lode_chopper_tune(&self->chopper_tuning, &chopper) == LODE_OK);
     lode_chopper_reset(&self->chopper, 0.0f);
+    fuzz_limits_init(&self->limits);
 }
 
 static inline lode_status_t fuzz_loop_post(fuzz_loop_t *self, lode_drive_t *drive,
@@ -88,13 +143,45 @@ static inline void fuzz_loop_step(fuzz_loop_t *self, lode_drive_t *drive,
     FUZZ_CHECK(self->may_short || !t->shorted);
     fuzz_loop_check_limit(self, drive, t);
     self->periods++;
-    if (self->supervised && self->periods % FUZZ_LOOP_PERIODS == 0u) {
-        const float dt_s = (float)FUZZ_LOOP_PERIODS * 2.0e-4f;
+    if (self->periods % FUZZ_LOOP_PERIODS != 0u) {
+        return;
+    }
+    if (self->limits.on) {
+        fuzz_limits_step(&self->limits, drive, t);
+    }
+    if (self->supervised) {
         const lode_command_t command =
-            lode_supervisor_step(&self->supervisor, t, self->wanted, dt_s);
+            lode_supervisor_step(&self->supervisor, t, self->wanted, FUZZ_LOOP_s);
         const lode_status_t status = lode_drive_post_command(drive, &command);
         self->may_short = self->may_short || (status == LODE_OK && command.active_short);
     }
+}
+
+/// What adaptation begins with: any of the three, and values that may have been stored.
+typedef struct {
+    lode_adaptation_config_t config;
+    bool has;
+    lode_adaptation_found_t stored;
+} fuzz_adaptation_t;
+
+static inline lode_adapted_t fuzz_stored(fuzz_t *in, float configured) {
+    const float value = configured * (1.0f + fuzz_number(in, 1.0f));
+    const float confidence = fuzz_number(in, 1.0f);
+    return (lode_adapted_t){value, confidence};
+}
+
+static inline fuzz_adaptation_t fuzz_adaptation(fuzz_t *in, uint8_t choice) {
+    static const lode_choice_t choices[] = {LODE_AUTO, LODE_OFF};
+    const lode_motor_t motor = fuzz_motor();
+    fuzz_adaptation_t self = {
+        .config = {.J = LODE_AUTO, .psi = choices[choice % 2u], .Rs = choices[choice / 2u % 2u]},
+        .has = choice / 4u % 2u != 0u};
+    if (self.has) {
+        self.stored.J_kgm2 = fuzz_stored(in, motor.J_kgm2);
+        self.stored.psi_Wb = fuzz_stored(in, motor.psi_Wb);
+        self.stored.Rs_Ohm = fuzz_stored(in, motor.Rs_Ohm);
+    }
+    return self;
 }
 
 /// What adaptation has found stays in its bounds.
@@ -133,6 +220,8 @@ static inline void fuzz_choose_surroundings(fuzz_t *in, uint8_t what, lode_drive
         loop->supervised = false;
     } else if (what < 244u) {
         loop->adapts = what < 243u;
+    } else if (what < 250u) {
+        fuzz_limits_choose(&loop->limits, in);
     }
 }
 
