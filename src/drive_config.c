@@ -292,7 +292,7 @@ static lode_speed_loop_t speed_loop(const lode_drive_config_t *c, const lode_mot
     const float light_kgm2 = lode_max(LIGHT_SHARE * c->motor.J_kgm2, FLT_MIN);
     const float Nm_per_V = lode_motor_kt_Nm_A(&c->motor) * r_Ohm / z2_Ohm2;
     return (lode_speed_loop_t){
-        .delay_s = 2.0f / lode_max(c->estimator.emf.w0_rad_s, FLT_MIN) +
+        .delay_s = lode_observer_delay_s(&c->estimator.emf) +
                    1.0f / lode_max(c->current.bandwidth_rad_s, FLT_MIN) + late * ts_s,
         .damping_rad_s = Nm_per_V * c->motor.pole_pairs * c->motor.psi_Wb / light_kgm2,
     };

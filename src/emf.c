@@ -16,10 +16,10 @@ static float volts_per_ampere(const lode_motor_t *motor, float ts_s) {
 }
 
 lode_status_t lode_emf_tune(lode_emf_tuning_t *tuning, const lode_emf_config_t *config,
-                            const lode_motor_t *motor, bool active_flux, float ts_s) {
+                            const lode_motor_t *motor, float notch_rad_s, bool active_flux,
+                            float ts_s) {
     lode_observer_tuning_t observer;
-    const lode_status_t status =
-        lode_observer_tune(&observer, config, motor->omega_rated_rad_s, ts_s);
+    const lode_status_t status = lode_observer_tune(&observer, config, notch_rad_s, ts_s);
     if (status != LODE_OK) {
         return status;
     }

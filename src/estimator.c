@@ -105,7 +105,8 @@ lode_status_t lode_estimator_tune(lode_estimator_tuning_t *tuning,
         status = lode_pll_tune(&t.pll, &config->pll, ts_s);
     }
     if (status == LODE_OK) {
-        status = lode_emf_tune(&t.emf, &config->emf, motor, config->active_flux == LODE_ON, ts_s);
+        status = lode_emf_tune(&t.emf, &config->emf, motor, lode_pll_notch_rad_s(&config->pll),
+                               config->active_flux == LODE_ON, ts_s);
     }
     if (status == LODE_OK) {
         status = check(config, ts_s);

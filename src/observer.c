@@ -32,12 +32,12 @@ static lode_status_t check(const lode_observer_config_t *config, float ts_s) {
 }
 
 // False where the observer is not built in.
-static bool tune_own(float *own, const lode_observer_config_t *config, float omega_rated_rad_s,
+static bool tune_own(float *own, const lode_observer_config_t *config, float notch_rad_s,
                      float ts_s) {
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
     LODE_IF_BUILT_IN(                                                                              \
         ID, if (config->kind == LODE_EMF_##ID) {                                                   \
-            id##_tune(own, config, omega_rated_rad_s, ts_s);                                       \
+            id##_tune(own, config, notch_rad_s, ts_s);                                             \
             return true;                                                                           \
         })
 #include "lodestar/observers.def"
@@ -46,10 +46,10 @@ static bool tune_own(float *own, const lode_observer_config_t *config, float ome
 }
 
 lode_status_t lode_observer_tune(lode_observer_tuning_t *tuning,
-                                 const lode_observer_config_t *config, float omega_rated_rad_s,
+                                 const lode_observer_config_t *config, float notch_rad_s,
                                  float ts_s) {
     lode_observer_tuning_t tuned = {.kind = (uint32_t)config->kind};
-    if (!tune_own(tuned.own, config, omega_rated_rad_s, ts_s)) {
+    if (!tune_own(tuned.own, config, notch_rad_s, ts_s)) {
         return LODE_ERROR_EMF_KIND;
     }
     const lode_status_t status = check(config, ts_s);
@@ -131,6 +131,15 @@ float lode_observer_droop_s2(const lode_observer_config_t *config) {
 #define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
     LODE_IF_BUILT_IN(                                                                              \
         ID, if (config->kind == LODE_EMF_##ID) { return id##_droop_s2(config); })
+#include "lodestar/observers.def"
+#undef LODE_OBSERVER
+    return 0.0f;
+}
+
+float lode_observer_delay_s(const lode_observer_config_t *config) {
+#define LODE_OBSERVER(ID, id, name, STEP, vectors, numbers)                                        \
+    LODE_IF_BUILT_IN(                                                                              \
+        ID, if (config->kind == LODE_EMF_##ID) { return id##_delay_s(config); })
 #include "lodestar/observers.def"
 #undef LODE_OBSERVER
     return 0.0f;

@@ -41,9 +41,9 @@ static lode_status_t c_leso_check_pll(const lode_observer_config_t *config, floa
                                                                      : LODE_ERROR_PLL_OBSERVER;
 }
 
-static void c_leso_tune(float *own, const lode_observer_config_t *config, float omega_rated_rad_s,
+static void c_leso_tune(float *own, const lode_observer_config_t *config, float notch_rad_s,
                         float ts_s) {
-    (void)omega_rated_rad_s;
+    (void)notch_rad_s;
     own[C_LESO_ONE_MINUS_P] = lode_one_minus_exp(config->w0_rad_s * ts_s);
 }
 
@@ -68,6 +68,10 @@ static float c_leso_lag_rad(const lode_observer_config_t *config, float ts_s, fl
 // The double pole passes 1/(1 + (w/w0)^2).
 static float c_leso_droop_s2(const lode_observer_config_t *config) {
     return 1.0f / (config->w0_rad_s * config->w0_rad_s);
+}
+
+static float c_leso_delay_s(const lode_observer_config_t *config) {
+    return observer_delay_s(2.0f, config->w0_rad_s);
 }
 #endif
 

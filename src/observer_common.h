@@ -9,6 +9,7 @@
 #define W0_PER_OMEGA_RATED 4.25f
 #define W0_TS_MAX 2.0f
 #define K2_TS_MAX 1.0f
+#define OBSERVER_K2_DELAY 1.6f // tuned by the PLL's speed (P32)
 
 // The default of w0.
 LODE_INLINE void observer_design_w0(lode_observer_config_t *config, float omega_rated_rad_s,
@@ -19,6 +20,11 @@ LODE_INLINE void observer_design_w0(lode_observer_config_t *config, float omega_
 
 LODE_INLINE lode_status_t observer_check_w0(const lode_observer_config_t *config, float ts_s) {
     return lode_in_range(config->w0_rad_s, 1.0f, W0_TS_MAX / ts_s) ? LODE_OK : LODE_ERROR_EMF_W0;
+}
+
+// Delay in (K22), for a double pole at w0 or a pole at k2 `times` its time constant.
+LODE_INLINE float observer_delay_s(float times, float bandwidth_rad_s) {
+    return times / lode_max(bandwidth_rad_s, FLT_MIN);
 }
 
 // The default of k2: a multiple of the PLL's sigma.

@@ -53,9 +53,9 @@ static lode_status_t fa_leso_check_pll(const lode_observer_config_t *config, flo
     return good ? LODE_OK : LODE_ERROR_EMF_PLL;
 }
 
-static void fa_leso_tune(float *own, const lode_observer_config_t *config, float omega_rated_rad_s,
+static void fa_leso_tune(float *own, const lode_observer_config_t *config, float notch_rad_s,
                          float ts_s) {
-    (void)omega_rated_rad_s;
+    (void)notch_rad_s;
     const float k2_Ts = config->k2_rad_s * ts_s;
     own[FA_LESO_Q] = observer_pole(k2_Ts);
     own[FA_LESO_SQRT_Q] = observer_pole(0.5f * k2_Ts);
@@ -132,6 +132,10 @@ static float fa_leso_lag_rad(const lode_observer_config_t *config, float ts_s, f
 static float fa_leso_droop_s2(const lode_observer_config_t *config) {
     (void)config;
     return 0.0f;
+}
+
+static float fa_leso_delay_s(const lode_observer_config_t *config) {
+    return observer_delay_s(OBSERVER_K2_DELAY, config->k2_rad_s);
 }
 #endif
 

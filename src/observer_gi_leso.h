@@ -36,9 +36,9 @@ static lode_status_t gi_leso_check_pll(const lode_observer_config_t *config, flo
                                                                       : LODE_ERROR_PLL_OBSERVER;
 }
 
-static void gi_leso_tune(float *own, const lode_observer_config_t *config, float omega_rated_rad_s,
+static void gi_leso_tune(float *own, const lode_observer_config_t *config, float notch_rad_s,
                          float ts_s) {
-    (void)omega_rated_rad_s;
+    (void)notch_rad_s;
     const float one_m_p = lode_one_minus_exp(config->w0_rad_s * ts_s);
     own[GI_LESO_GAIN] = one_m_p * one_m_p;
     own[GI_LESO_P2] = (1.0f - one_m_p) * (1.0f - one_m_p);
@@ -106,6 +106,10 @@ static float gi_leso_lag_rad(const lode_observer_config_t *config, float ts_s, f
 static float gi_leso_droop_s2(const lode_observer_config_t *config) {
     (void)config;
     return 0.0f; // the band-pass keeps it near 1
+}
+
+static float gi_leso_delay_s(const lode_observer_config_t *config) {
+    return observer_delay_s(2.0f, config->w0_rad_s);
 }
 #endif
 

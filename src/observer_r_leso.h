@@ -26,6 +26,7 @@ LODE_INLINE lode_ab_t r_leso_step(lode_observer_t *self, const lode_observer_tun
 // Stability limits with the speed fed back: (E27), (E28).
 #define R_LESO_W0_PER_SIGMA_MIN 1.684f
 #define R_LESO_W0_PER_SIGMA_MIN_QPLL 0.325f
+#define R_LESO_DELAY 2.4f // tuned by the PLL's speed (P32)
 
 static void r_leso_design(lode_observer_config_t *config, float omega_rated_rad_s,
                           float sigma_rad_s, float ts_s) {
@@ -43,9 +44,9 @@ static lode_status_t r_leso_check_pll(const lode_observer_config_t *config, floa
     return config->w0_rad_s >= least * sigma_rad_s ? LODE_OK : LODE_ERROR_PLL_OBSERVER;
 }
 
-static void r_leso_tune(float *own, const lode_observer_config_t *config, float omega_rated_rad_s,
+static void r_leso_tune(float *own, const lode_observer_config_t *config, float notch_rad_s,
                         float ts_s) {
-    (void)omega_rated_rad_s;
+    (void)notch_rad_s;
     own[R_LESO_P] = observer_pole(config->w0_rad_s * ts_s);
 }
 
@@ -66,6 +67,10 @@ static float r_leso_lag_rad(const lode_observer_config_t *config, float ts_s, fl
 static float r_leso_droop_s2(const lode_observer_config_t *config) {
     (void)config;
     return 0.0f;
+}
+
+static float r_leso_delay_s(const lode_observer_config_t *config) {
+    return observer_delay_s(R_LESO_DELAY, config->w0_rad_s);
 }
 #endif
 

@@ -9,6 +9,9 @@
 // Factor on both sigma for a QPLL: the angle noise is then the same (H20), and the error by an acceleration, which it does not
 // know, falls to 1/2.7.
 #define QPLL_TIMES 1.65f
+// (P31)
+#define NOTCH_PER_SIGMA 2.5f
+#define NOTCH_PER_SIGMA_QPLL 1.44f
 #define SIGMA_TS_MAX 0.3f
 // A fifth (P10) of the largest default w0 of an observer, less rounding.
 #define SIGMA_TS_DEFAULT_MAX 0.0999f
@@ -57,6 +60,11 @@ lode_status_t lode_pll_tune(lode_pll_tuning_t *tuning, const lode_pll_config_t *
         .third_order = config->kind == LODE_PLL_LESO ? 1u : 0u,
     };
     return LODE_OK;
+}
+
+float lode_pll_notch_rad_s(const lode_pll_config_t *config) {
+    const float times = config->kind == LODE_PLL_QPLL ? NOTCH_PER_SIGMA_QPLL : NOTCH_PER_SIGMA;
+    return times * config->sigma_rad_s;
 }
 
 void lode_pll_reset(lode_pll_t *self, float theta_rad, float omega_rad_s) {

@@ -21,7 +21,8 @@ static lode_emf_tuning_t tuned(const lode_motor_t *motor, double w0, bool active
     lode_emf_config_t config = {.kind = LODE_EMF_C_LESO, .w0_rad_s = (float)w0};
     lode_emf_design(&config, motor, 100.0f, (float)ts);
     lode_emf_tuning_t tuning;
-    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_emf_tune(&tuning, &config, motor, active_flux, (float)ts));
+    TEST_ASSERT_EQUAL_INT(LODE_OK,
+                          lode_emf_tune(&tuning, &config, motor, 0.0f, active_flux, (float)ts));
     return tuning;
 }
 
@@ -193,7 +194,7 @@ static lode_status_t try_with(const lode_emf_config_t *config, const lode_motor_
     lode_emf_tuning_t tuning;
     memset(&tuning, 0x5a, sizeof tuning);
     const lode_emf_tuning_t before = tuning;
-    const lode_status_t status = lode_emf_tune(&tuning, config, motor, true, PAPER_TS_s);
+    const lode_status_t status = lode_emf_tune(&tuning, config, motor, 0.0f, true, PAPER_TS_s);
     if (status != LODE_OK) {
         TEST_ASSERT_EQUAL_MEMORY(&before, &tuning, sizeof tuning);
     }

@@ -19,8 +19,7 @@ static lode_observer_tuning_t tuned(lode_emf_kind_t kind, double w0) {
     lode_observer_config_t config = {.kind = kind, .w0_rad_s = (float)w0};
     lode_observer_tuning_t tuning;
     lode_observer_design(&config, (float)PAPER_OMEGA_RATED, 100.0f, PAPER_TS_s);
-    TEST_ASSERT_EQUAL_INT(
-        LODE_OK, lode_observer_tune(&tuning, &config, (float)PAPER_OMEGA_RATED, PAPER_TS_s));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_observer_tune(&tuning, &config, 0.0f, PAPER_TS_s));
     return tuning;
 }
 

@@ -4,6 +4,8 @@
 #include "golden/pll.h"
 #include "pll_inline.h"
 
+#include <complex.h>
+
 void setUp(void) {}
 
 void tearDown(void) {}
@@ -424,6 +426,29 @@ static void test_design_fills_what_is_open(void) {
     TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
 }
 
+/// Distance of -1 from what a narrow notch at w makes of the open loop (3 s^2 + 3 s + 1)/s^3, or (2 s + 1)/s^2, s = jw/sigma:
+/// a circle through 0 and the loop's response there. Below 0: it lies inside, and the loop is unstable.
+static double distance(lode_pll_kind_t kind, double w_per_sigma) {
+    const double complex s = I * w_per_sigma;
+    const double complex loop = kind == LODE_PLL_QPLL ? (2.0 * s + 1.0) / (s * s)
+                                                      : (3.0 * s * s + 3.0 * s + 1.0) / (s * s * s);
+    return cabs(-1.0 - 0.5 * loop) - 0.5 * cabs(loop);
+}
+
+/// (P31)
+static void test_least_frequency_of_a_notch(void) {
+    const double of_limit[] = {1.7320508, 1.0};
+    const double kept[] = {0.33, 0.29};
+    const lode_pll_kind_t kinds[] = {LODE_PLL_LESO, LODE_PLL_QPLL};
+    for (int n = 0; n < COUNT_OF(kinds); n++) {
+        const lode_pll_config_t config = {
+            .kind = kinds[n], .sigma_rad_s = 200.0f, .sigma_low_rad_s = 100.0f};
+        const double per_sigma = (double)lode_pll_notch_rad_s(&config) / 200.0;
+        CHECK_NEAR(1.0e-6, 0.0, distance(kinds[n], of_limit[n]));
+        CHECK_NEAR(0.005, kept[n], distance(kinds[n], per_sigma));
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_both_orders_against_float64);
@@ -440,5 +465,6 @@ int main(void) {
     RUN_TEST(test_kind_is_an_enumerator);
     RUN_TEST(test_a_bandwidth_that_is_given_is_that_of_all_speeds);
     RUN_TEST(test_design_fills_what_is_open);
+    RUN_TEST(test_least_frequency_of_a_notch);
     return UNITY_END();
 }

@@ -16,7 +16,8 @@ static double emf_noise_V(double w0, double ts, double noise_A) {
     const lode_motor_t motor = paper_motor();
     lode_emf_design(&config, &motor, 100.0f, (float)ts);
     lode_emf_tuning_t emf_tuning;
-    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_emf_tune(&emf_tuning, &config, &motor, true, (float)ts));
+    TEST_ASSERT_EQUAL_INT(LODE_OK,
+                          lode_emf_tune(&emf_tuning, &config, &motor, 0.0f, true, (float)ts));
     lode_emf_t emf;
     lode_emf_reset(&emf, (lode_ab_t){0.0f, 0.0f});
     random_t random = random_seed(49u);

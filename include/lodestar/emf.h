@@ -34,10 +34,11 @@ typedef struct {
 void lode_emf_design(lode_emf_config_t *config, const lode_motor_t *motor, float sigma_rad_s,
                      float ts_s);
 
-/// Checks a completed configuration and derives the tuning. `active_flux`: compensate the EMF of a changing active
-/// flux.
+/// Checks a completed configuration and derives the tuning. `notch_rad_s`: as for lode_observer_tune(). `active_flux`:
+/// compensate the EMF of a changing active flux.
 lode_status_t lode_emf_tune(lode_emf_tuning_t *tuning, const lode_emf_config_t *config,
-                            const lode_motor_t *motor, bool active_flux, float ts_s);
+                            const lode_motor_t *motor, float notch_rad_s, bool active_flux,
+                            float ts_s);
 
 /// Starts from the current `i_A` at t_k and no EMF.
 void lode_emf_reset(lode_emf_t *self, lode_ab_t i_A);

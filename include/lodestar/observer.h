@@ -73,9 +73,10 @@ typedef struct {
 void lode_observer_design(lode_observer_config_t *config, float omega_rated_rad_s,
                           float sigma_rad_s, float ts_s);
 
-/// Checks a completed configuration and derives the tuning.
+/// Checks a completed configuration and derives the tuning. `notch_rad_s`: lode_pll_notch_rad_s() of the PLL that
+/// follows; for notches of the observer's own. 0: none follows.
 lode_status_t lode_observer_tune(lode_observer_tuning_t *tuning,
-                                 const lode_observer_config_t *config, float omega_rated_rad_s,
+                                 const lode_observer_config_t *config, float notch_rad_s,
                                  float ts_s);
 
 /// LODE_OK if the observer is stable together with a PLL of the given bandwidth.
@@ -98,6 +99,9 @@ float lode_observer_lag_rad(const lode_observer_config_t *config, float ts_s, fl
 
 /// Droop of |e/m| with the electrical speed w, s^2: |e/m| is close to 1/(1 + droop w^2).
 float lode_observer_droop_s2(const lode_observer_config_t *config);
+
+/// Delay of a slow change of the EMF in the rotor's frame, s, with the speed known.
+float lode_observer_delay_s(const lode_observer_config_t *config);
 
 #ifdef __cplusplus
 }

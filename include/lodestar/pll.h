@@ -53,6 +53,9 @@ typedef struct {
 /// Bandwidth of a loop of this kind relative to that of a LESO-QPLL with the same noise of the angle (H20).
 float lode_pll_times(lode_pll_kind_t kind);
 
+/// Least frequency, rad/s, of a narrow notch on the position error, by which the loop keeps a margin (P31).
+float lode_pll_notch_rad_s(const lode_pll_config_t *config);
+
 /// Fills every zero field that has a default.
 void lode_pll_design(lode_pll_config_t *config, float omega_rated_rad_s, float ts_s);
 

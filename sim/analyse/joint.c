@@ -103,12 +103,16 @@ lode_estimator_tuning_t joint_with_sigma(const lode_estimator_tuning_t *tuning,
 }
 
 lode_estimator_tuning_t joint_with_k2(const lode_estimator_tuning_t *tuning,
-                                      const lode_emf_config_t *emf, double omega_rated_rad_s,
-                                      double k2_rad_s) {
+                                      const lode_emf_config_t *emf, double k2_rad_s) {
     lode_estimator_tuning_t t = *tuning;
     lode_emf_config_t config = *emf;
     config.k2_rad_s = (float)k2_rad_s;
-    (void)lode_observer_tune(&t.emf.observer, &config, (float)omega_rated_rad_s, tuning->pll.ts_s);
+    const lode_pll_tuning_t *pll = &tuning->pll;
+    const lode_pll_config_t loop = {
+        .kind = pll->third_order != 0u ? LODE_PLL_LESO : LODE_PLL_QPLL,
+        .sigma_rad_s = -log1pf(-(pll->x_low + pll->x_rise)) * pll->inv_ts,
+    };
+    (void)lode_observer_tune(&t.emf.observer, &config, lode_pll_notch_rad_s(&loop), pll->ts_s);
     return t;
 }
 

@@ -50,8 +50,7 @@ lode_estimator_tuning_t joint_with_sigma(const lode_estimator_tuning_t *tuning, 
 
 /// A copy with the observer of `emf` and this k2. Unchanged if lode_observer_tune() does not accept k2.
 lode_estimator_tuning_t joint_with_k2(const lode_estimator_tuning_t *tuning,
-                                      const lode_emf_config_t *emf, double omega_rated_rad_s,
-                                      double k2_rad_s);
+                                      const lode_emf_config_t *emf, double k2_rad_s);
 
 /// Inputs of the loop over one period.
 typedef struct {

@@ -126,8 +126,8 @@ static void set_sigma(loop_t *loop, double sigma_rad_s, double sigma_of_notch) {
 static loop_t make_loop(const lode_drive_config_t *config, double omega_rad_s) {
     const double ts_s = 1.0 / (double)config->f_pwm_Hz;
     lode_observer_tuning_t observer = {.kind = (uint32_t)config->estimator.emf.kind};
-    (void)lode_observer_tune(&observer, &config->estimator.emf, config->motor.omega_rated_rad_s,
-                             (float)ts_s);
+    (void)lode_observer_tune(&observer, &config->estimator.emf,
+                             lode_pll_notch_rad_s(&config->estimator.pll), (float)ts_s);
     loop_t loop = {
         .config = &config->estimator,
         .ts_s = ts_s,

@@ -54,7 +54,7 @@ static observer_t sampled_filter(const analyse_t *self, const filter_t *f) {
                                            .k1_rad2_s2 = (float)f->k1,
                                            .k2_rad_s = (float)f->k2};
     lode_observer_tuning_t tuning;
-    if (lode_observer_tune(&tuning, &config, (float)SPEED, (float)self->ts_s) != LODE_OK) {
+    if (lode_observer_tune(&tuning, &config, 0.0f, (float)self->ts_s) != LODE_OK) {
         return (observer_t){.modes = 1, .b = {NAN}, .c = {1.0}};
     }
     return observer_make(&tuning, self->ts_s, f->omega_rad_s);

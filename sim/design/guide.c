@@ -23,7 +23,7 @@ typedef struct {
 
 static bool unstable(const lode_estimator_tuning_t *tuning, const lode_emf_config_t *emf,
                      double omega_rad_s, double k2_rad_s) {
-    const lode_estimator_tuning_t t = joint_with_k2(tuning, emf, omega_rad_s, k2_rad_s);
+    const lode_estimator_tuning_t t = joint_with_k2(tuning, emf, k2_rad_s);
     const joint_t joint = joint_make(&t, omega_rad_s);
     return !(joint_radius(&joint) < 1.0);
 }
@@ -141,7 +141,7 @@ static void note_poles(guide_row_t *row, const lode_estimator_tuning_t *tuning,
 
 static lode_estimator_tuning_t with_k2(const task_t *task, const lode_emf_config_t *emf,
                                        double k2_rad_s) {
-    return joint_with_k2(task->tuning, emf, (double)task->drive->motor.omega_rated_rad_s, k2_rad_s);
+    return joint_with_k2(task->tuning, emf, k2_rad_s);
 }
 
 static guide_row_t evaluate(const task_t *task, double k2_rad_s) {

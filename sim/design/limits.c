@@ -119,8 +119,8 @@ static void gi_limits(limits_t *limits, const lode_drive_config_t *drive) {
     limits->gi_omega_rad_s = NAN;
     limits->gi_filtered_rad_s = NAN;
     if (lode_pll_tune(&tuning.pll, &drive->estimator.pll, ts) == LODE_OK &&
-        lode_observer_tune(&tuning.emf.observer, &emf, drive->motor.omega_rated_rad_s, ts) ==
-            LODE_OK) {
+        lode_observer_tune(&tuning.emf.observer, &emf, lode_pll_notch_rad_s(&drive->estimator.pll),
+                           ts) == LODE_OK) {
         limits->gi_sigma_rad_s = gi_limit(&tuning, most, omega_max, &limits->gi_omega_rad_s);
         tuning.w_weight = lode_one_minus_exp(FILTER_rad_s * ts);
         limits->gi_filtered_rad_s = gi_limit(&tuning, most, omega_max, &ignored);

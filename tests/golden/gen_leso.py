@@ -14,15 +14,15 @@ rho = exp(j w Ts), p = exp(-w0 Ts), q = exp(-k2 Ts), w the speed that the observ
            each of which keeps its state where w changes
     multi  modes at w, 0, -5 w, 7 w, each turned on by its own angle, share the error m - sum:
            gain (1 - q) of the first, kh Ts (1 - j k2/(wm - w)) of the others, half of it at DC,
-           kh = min(20, 0.15 |w|). From 0.35 down to 0.25 of the rated speed that gain fades to 0,
-           and in its place the others leak away at 20 rad/s.
+           kh = min(20, 0.15 |w|). While the distance |wm - w| falls from 1.4 times NOTCH to NOTCH, the
+           gain of a mode fades to 0, and in its place the mode leaks away at 20 rad/s.
 """
 import cmath
 import math
 
 TS = 2e-4
 STEPS, EVERY = 3000, 75
-RATED = 471.238898
+NOTCH = 250.0  # rad/s, 2.5 times the sigma of a PLL
 PAPER_FA = dict(k1=10 * math.pi, k2=100 * math.pi)
 SPEEDS = [(300.0, 300.0), (-300.0, -300.0), (90.0, 440.0), (-440.0, -90.0), (250.0, -250.0)]
 KINDS = [  # name in C, and parameters
@@ -133,15 +133,15 @@ def multi(case):
     q = math.exp(-case["k2"] * TS)
     modes = [0j] * 4
     for m, w in inputs(case):
-        share = min(1.0, max(0.0, (abs(w) / RATED - 0.25) / 0.1))
+        shares = [min(1.0, max(0.0, (abs((n - 1) * w) / NOTCH - 1) / 0.4)) for n in orders]
         modes = [x * cmath.exp(1j * n * w * TS) for x, n in zip(modes, orders)]
-        modes[1:] = [x * (1 - (1 - share) * 20 * TS) for x in modes[1:]]
+        modes[1:] = [x * (1 - (1 - share) * 20 * TS) for x, share in zip(modes[1:], shares[1:])]
         error = m - sum(modes)
         modes[0] += (1 - q) * error
         for index, n in enumerate(orders[1:], 1):
-            if share:
+            if shares[index]:
                 kh = min(20, 0.15 * abs(w)) * (0.5 if n == 0 else 1)
-                modes[index] += share * kh * TS * (1 - 1j * case["k2"] / ((n - 1) * w)) * error
+                modes[index] += shares[index] * kh * TS * (1 - 1j * case["k2"] / ((n - 1) * w)) * error
         yield modes[0]
 
 

@@ -339,7 +339,7 @@ static void test_with_the_qpll_every_k2_is_stable(void) {
     for (int k = 0; k < COUNT_OF(sigmas); k++) {
         for (double k2 = 1.0; k2 <= 5000.0; k2 *= 1.7) {
             const lode_estimator_tuning_t a = joint_with_sigma(&tuning, sigmas[k]);
-            const lode_estimator_tuning_t b = joint_with_k2(&a, &config.emf, 471.0, k2);
+            const lode_estimator_tuning_t b = joint_with_k2(&a, &config.emf, k2);
             const joint_t joint = joint_make(&b, 471.0);
             CHECK_AT_MOST(1.0 - 1.0e-9, joint_radius(&joint));
         }
@@ -489,9 +489,9 @@ static void test_swings_decay_and_grow_as_the_poles_say(void) {
     const double omegas[] = {120.0, 471.0};
     for (int w = 0; w < COUNT_OF(omegas); w++) {
         // Just above the least k2, and below it, where init refuses: there it grows.
-        const lode_estimator_tuning_t damped = joint_with_k2(&fa, &config.emf, 471.0, 62.0);
+        const lode_estimator_tuning_t damped = joint_with_k2(&fa, &config.emf, 62.0);
         check_swing(&fa, &damped, omegas[w], 0.1);
-        const lode_estimator_tuning_t growing = joint_with_k2(&fa, &config.emf, 471.0, 50.0);
+        const lode_estimator_tuning_t growing = joint_with_k2(&fa, &config.emf, 50.0);
         const joint_t joint = joint_make(&growing, omegas[w]);
         CHECK_AT_LEAST(1.0001, joint_radius(&joint));
         TEST_ASSERT_FALSE(joint_is_stable(&joint));
