@@ -60,6 +60,8 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 // sigma times the run-up time, in which the torque at i_max brings the rotor to rated speed (P20). Below some 10 a load step
 // or a slam is over before PLL and speed control respond. Motors with 18 and more need only the rule by speed.
 #define SIGMA_RUN_UP 17.0f
+// More than this many times as much only passes on ripple, of dead time above all (P33).
+#define SIGMA_HEAVY 4.0f
 // Upper bounds, for the observer (0.2 w0) and for sampling ...
 #define SIGMA_RATED_MAX 0.66f
 // (P28): a hand-over beyond this share of rated speed is late; sigma is raised if below this share of what is required. Both
@@ -196,8 +198,9 @@ static float design_pll(lode_drive_config_t *config, float ts_s) {
         stretch_pll(pll, config);
     }
     if (open) {
+        const float most = sigma_of_kind(config, SIGMA_HEAVY * sigma_by_run_up(config));
         pll->sigma_low_rad_s = lode_max(pll->sigma_low_rad_s, sigma_of_light_rotor(config));
-        pll->sigma_rad_s = lode_max(pll->sigma_rad_s, pll->sigma_low_rad_s);
+        pll->sigma_rad_s = lode_max(lode_min(pll->sigma_rad_s, most), pll->sigma_low_rad_s);
     }
     return open ? late_times(config) : 1.0f;
 }

@@ -79,7 +79,8 @@ LODE_INLINE bool lode_drive_slot_lag(lode_drive_t *self, const lode_drive_tuning
 LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                            lode_words_t words) {
     lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
-    if (!lode_mode_memory_ok(self, words)) {
+    if (!lode_mode_memory_ok(self, words) ||
+        !lode_inverter_is_sound(&self->inverter, &tuning->inverter)) {
         lode_mode_distrust(self);
         return false;
     }

@@ -65,6 +65,18 @@ LODE_INLINE float lode_inverter_error(const lode_dead_time_t *dead_time, float i
            (lode_abs(i_A + dead_time->i_dead_A) - lode_abs(i_A - dead_time->i_dead_A));
 }
 
+// What a start has measured is within its limits. NaN is not.
+LODE_INLINE bool lode_inverter_is_sound(const lode_inverter_t *self,
+                                        const lode_inverter_tuning_t *tuning) {
+#ifdef LODE_WITHOUT_START_MEASUREMENT
+    (void)self;
+    (void)tuning;
+    return true;
+#else
+    return lode_abs(self->dead_more) <= tuning->dead_more_max;
+#endif
+}
+
 // Adapts to the modulation of the voltage `u_V`, and divides by the bus voltage anew. Once in LODE_SLOW_PERIODS.
 LODE_SHARED void lode_inverter_adapt(lode_inverter_t *self, const lode_inverter_tuning_t *tuning,
                                      lode_dq_t u_V) {

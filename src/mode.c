@@ -232,6 +232,10 @@ void lode_mode_run_at_once(lode_drive_t *self) {
 
 void lode_mode_retune(lode_drive_t *self, const lode_estimator_tuning_t *before) {
     lode_estimator_retune(&self->estimator, before, &self->tuning->estimator);
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+    const float more = self->tuning->inverter.dead_more_max;
+    self->inverter.dead_more = lode_clamp(self->inverter.dead_more, -more, more);
+#endif
 #ifndef LODE_WITHOUT_SHAPED_RAMP
     if (lode_mode(self) == LODE_MODE_RUN && !(self->tuning->speed.jerk_step > 0.0f)) {
         // Left over from a ramp whose jerk was limited.

@@ -37,9 +37,11 @@
 #define STEADY_LATE 2.0f
 #define STEADY_TIMES 2u
 #define STEADY_rad 2.0f
-// If only one current could be measured, half of its voltage counts as resistance, the other half as dead time (S33).
-#define HALF_OF_FULL 0.75f
-#define FULL_OF_HALF 1.5f
+// Weights of the two means in (S33): calm_V over their standard deviation, squared. At half of the current a rotor that has
+// not swung so far yet, and at either one that still swings, tells little.
+#define WEIGHT_SURE 16.0f
+#define WEIGHT_LOOSE 0.44f
+#define SWUNG_rad 5.0f
 
 // Enters a stage and clears what the previous one measured: both share a union.
 static void enter(lode_start_t *self, uint_least8_t stage) {
@@ -201,12 +203,21 @@ void lode_start_again(lode_start_t *self, const lode_start_tuning_t *tuning) {
 
 #ifndef LODE_WITHOUT_START_MEASUREMENT
 
-// (S13), (S14): from the voltages at half and at all of the current.
-static lode_start_found_t found_at_rest(const lode_start_t *self) {
-    const float mean_V = self->seen.rest.sum_V;
-    const float r_Ohm =
-        (mean_V - self->seen.rest.along_V) / ((1.0f - LEVEL_SHARE) * self->current_A);
-    return (lode_start_found_t){.r_Ohm = r_Ohm, .dead_V = mean_V - r_Ohm * self->current_A};
+// (S33): most likely voltages of resistance and dead time at all of the current, given the means at half of it and at all of
+// it, and how well both are known without them.
+static lode_start_found_t found_at_rest(const lode_start_t *self,
+                                        const lode_start_tuning_t *tuning) {
+    const lode_start_rest_t *rest = &self->seen.rest;
+    const float half_V = rest->half_weight * rest->half_V;
+    const float full_V = rest->weight * rest->sum_V;
+    const float by_r = LEVEL_SHARE * half_V + full_V;
+    const float by_dead = half_V + full_V;
+    const float both = LEVEL_SHARE * rest->half_weight + rest->weight;
+    const float r = tuning->r_known + LEVEL_SHARE * LEVEL_SHARE * rest->half_weight + rest->weight;
+    const float dead = tuning->dead_known + rest->half_weight + rest->weight;
+    const float per = 1.0f / (r * dead - both * both);
+    return (lode_start_found_t){.r_Ohm = per * (by_r * dead - by_dead * both) / self->current_A,
+                                .dead_V = per * (by_dead * r - by_r * both)};
 }
 
 // Adds the voltage of one round, in the frame of the axis at which the vector waits: dead time acts along this phase
@@ -227,21 +238,20 @@ static void add_at_rest(lode_start_rest_t *rest, const lode_start_tuning_t *tuni
     rest->calm = (uint_least16_t)(rest->calm + (lode_abs(axis_V.q) <= tuning->calm_V ? 1u : 0u));
 }
 
-// Ends the dwell at the present current, with a mean (`known`) or without. The vector waits at both currents in any
-// case: the rotor has to follow all of the current, and needs time to come to rest. The voltage at a current without a
-// mean follows from that at the other one (S33).
+// Ends the dwell at the present current with a mean of this weight; 0: without. The vector waits at both currents in any
+// case: the rotor has to follow all of the current, and needs time to come to rest.
 static LODE_NOINLINE void end_dwell(lode_start_t *self, const lode_start_tuning_t *tuning,
-                                    bool known) {
+                                    float weight) {
     lode_start_rest_t *rest = &self->seen.rest;
+    const bool known = weight > 0.0f;
     const float mean_V = rest->sum_V / lode_max(rest->summed, 1.0f);
     if (self->stage == (uint_least8_t)LODE_START_HALF) {
         enter(self, (uint_least8_t)(known ? LODE_START_FULL : LODE_START_ALONE));
-        rest->along_V = mean_V;
+        rest->half_V = mean_V;
+        rest->half_weight = weight;
     } else if (known || self->stage == (uint_least8_t)LODE_START_FULL) {
-        rest->sum_V = known ? mean_V : FULL_OF_HALF * rest->along_V;
-        if (self->stage == (uint_least8_t)LODE_START_ALONE) {
-            rest->along_V = HALF_OF_FULL * mean_V;
-        }
+        rest->sum_V = mean_V;
+        rest->weight = weight;
         self->stage = (uint_least8_t)LODE_START_FOUND;
     } else {
         enter(self, last_stage(tuning));
@@ -255,6 +265,15 @@ static bool is_steady(const lode_start_t *self, const lode_start_tuning_t *tunin
     return summed >= (float)least && swung_rad(tuning, summed) >= STEADY_rad;
 }
 
+static float weight_of(const lode_start_t *self, const lode_start_tuning_t *tuning, bool calm) {
+    const bool sure = self->stage != (uint_least8_t)LODE_START_HALF ||
+                      swung_rad(tuning, (float)self->seen.rest.dwelt) >= SWUNG_rad;
+    if (calm && sure) {
+        return WEIGHT_SURE;
+    }
+    return calm || is_steady(self, tuning) ? WEIGHT_LOOSE : 0.0f;
+}
+
 // One round at the present current. The result is computed in the next round, to spread the load.
 static void watch_at_rest(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V) {
     lode_start_rest_t *rest = &self->seen.rest;
@@ -264,14 +283,14 @@ static void watch_at_rest(lode_start_t *self, const lode_start_tuning_t *tuning,
     }
     const bool calm = CALM_PART * (rest->calm + 1u) > tuning->patience_rounds;
     if (calm || rest->dwelt >= tuning->dwell_rounds) {
-        end_dwell(self, tuning, calm || is_steady(self, tuning));
+        end_dwell(self, tuning, weight_of(self, tuning, calm));
     }
 }
 
 bool lode_start_measure(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V,
                         lode_start_found_t *found) {
     if (self->stage == (uint_least8_t)LODE_START_FOUND) {
-        *found = found_at_rest(self);
+        *found = found_at_rest(self, tuning);
         enter(self, last_stage(tuning));
         return true;
     }

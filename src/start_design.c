@@ -63,6 +63,10 @@
 #define DWELL_TIME_s 0.15f
 #define MEASUREMENTS 2.0f // with half the current and with all of it
 #define CALM_SHARE 0.1f   // of the unknown voltage
+// Standard deviations of what a user knows (S33): of the resistance, relative; of the dead time.
+#define RESISTANCE_DEVIATION 0.2f
+#define DEAD_TIME_DEVIATION_s 0.5e-6f
+#define KNOWN_MAX 1.0e6f
 #ifdef LODE_WITHOUT_START_MEASUREMENT
 #define MEASURES LODE_OFF
 #else
@@ -148,6 +152,12 @@ static float unknown_V(const lode_motor_t *motor, const lode_inverter_config_t *
                        float current_A, float ts_s) {
     return lost_V(inverter, DEAD_TIME_UNKNOWN_s, 0.0f, ts_s) +
            RESISTANCE_UNKNOWN * drop_V(motor, inverter, current_A);
+}
+
+// (S33): weight of a value whose voltage has this standard deviation.
+static float known(float calm_V, float deviation_V) {
+    const float share = calm_V / lode_max(deviation_V, FLT_MIN);
+    return lode_min(share * share, KNOWN_MAX);
 }
 
 // Voltage along the start current that is known, but neither corrected nor part of the observer's voltage (S12).
@@ -339,6 +349,7 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
     // torque is K times that angle. The swing appears as EMF across the vector, psi volts per rad/s, at standstill too.
     const float swing = swing_rad_s(config->current_A, motor);
     const float round_s = (float)LODE_SLOW_PERIODS * ts_s;
+    const float calm_V = CALM_SHARE * unknown_V(motor, inverter, config->current_A, ts_s);
     *tuning = (lode_start_tuning_t){
         .current_A = config->current_A,
         .current_step = config->current_A * ts_s / config->current_rise_s,
@@ -374,7 +385,9 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
 #ifndef LODE_WITHOUT_START_MEASUREMENT
         .dwell_rounds =
             config->measure == LODE_ON ? (uint_least16_t)rounds_in(DWELL_TIME_s, ts_s) : 0u,
-        .calm_V = CALM_SHARE * unknown_V(motor, inverter, config->current_A, ts_s),
+        .calm_V = calm_V,
+        .r_known = known(calm_V, RESISTANCE_DEVIATION * drop_V(motor, inverter, config->current_A)),
+        .dead_known = known(calm_V, lost_V(inverter, DEAD_TIME_DEVIATION_s, 0.0f, ts_s)),
 #endif
     };
     return LODE_OK;

@@ -680,6 +680,28 @@ static void test_a_late_hand_over_leaves_room_for_sigma(void) {
     }
 }
 
+/// (P33): from 1.9 times the inertia of paper 1's motor on, sigma at speed is 4 times what the run-up time requires, but no
+/// less than at low speed.
+static void test_a_heavy_rotor_has_less_sigma(void) {
+    static const double inertia[] = {1.0, 3.0, 100.0};
+    for (int n = 0; n < COUNT_OF(inertia); n++) {
+        lode_drive_config_t config = minimal();
+        config.motor.J_kgm2 *= (float)inertia[n];
+        lode_drive_design(&config);
+        const double kt = 1.5 * (double)config.motor.pole_pairs * (double)config.motor.psi_Wb;
+        const double run_up_s =
+            (double)config.motor.J_kgm2 * PAPER_OMEGA_RATED /
+            ((double)config.motor.pole_pairs * kt * (double)config.inverter.i_max_A);
+        const double by_speed = 0.2122 * PAPER_OMEGA_RATED;
+        const double by_run_up = 4.0 * 17.0 / run_up_s;
+        const double low = 0.1061 * PAPER_OMEGA_RATED;
+        TEST_ASSERT_EQUAL(n > 0, by_run_up < by_speed);
+        TEST_ASSERT_EQUAL(n > 1, by_run_up < low);
+        CHECK_CLOSE(1.0e-4, low, config.estimator.pll.sigma_low_rad_s);
+        CHECK_CLOSE(1.0e-4, fmax(fmin(by_speed, by_run_up), low), config.estimator.pll.sigma_rad_s);
+    }
+}
+
 /// sigma over what `rated` speed allows. The motor loses `lost` of its flux to an error of Lq - Ld, hands over at `late` of rated
 /// speed, and its run-up time requires `need`, rad/s.
 static double times_of_sigma(double rated, double late, double lost, double need) {
@@ -1032,6 +1054,7 @@ int main(void) {
     RUN_TEST(test_field_weakening_has_its_estimators);
     RUN_TEST(test_a_late_hand_over_stretches_the_schedule);
     RUN_TEST(test_a_late_hand_over_leaves_room_for_sigma);
+    RUN_TEST(test_a_heavy_rotor_has_less_sigma);
     RUN_TEST(test_a_rotor_that_can_be_held_gets_more_sigma);
     RUN_TEST(test_a_light_rotor_with_mtpa_has_a_tenth_more_sigma);
     RUN_TEST(test_motors_of_many_kinds_need_no_more);

@@ -510,6 +510,34 @@ static void test_a_fault_is_cleared_by_a_command_that_is_replaced(void) {
     }
 }
 
+/// The dead time that a start may have measured is limited. One beyond that trips within a round; a tuning that allows less
+/// is none.
+static void test_a_measured_dead_time_has_become_another(void) {
+    const rig_t sound = running(80.0, 8.0);
+    const float most = sound.drive.tuning->inverter.dead_more_max;
+    TEST_ASSERT_TRUE(most > 0.0f);
+    const float wrong[] = {1.01f * most, -1.01f * most, NAN};
+    for (int n = 0; n < COUNT_OF(wrong); n++) {
+        rig_t rig = sound;
+        rig.drive.inverter.dead_more = wrong[n];
+        rig_run(&rig, 9.0 * RIG_TS_s);
+        rig_expect(&rig, LODE_MODE_FAULT);
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_MEMORY, rig_telemetry(&rig).fault.check);
+    }
+    for (int n = 0; n < 2; n++) {
+        rig_t rig = sound;
+        const float sign = n == 0 ? 1.0f : -1.0f;
+        rig.drive.inverter.dead_more = sign * most;
+        rig_step(&rig);
+        static lode_drive_tuning_t less;
+        less = *sound.drive.tuning;
+        less.inverter.dead_more_max = 0.9f * most;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &less));
+        rig_step(&rig);
+        TEST_ASSERT_EQUAL_FLOAT(0.9f * sign * most, rig.drive.inverter.dead_more);
+    }
+}
+
 /// One bit of the drive flips, `offset` bytes from its beginning. Gates off within a round, and the fault says
 /// what it was.
 static void check_flip(const rig_t *sound, size_t offset, int bit, float which) {
@@ -877,6 +905,7 @@ int main(void) {
     RUN_TEST(test_every_bit_of_an_order_counts);
     RUN_TEST(test_a_driven_mode_that_became_another_trips_at_once);
     RUN_TEST(test_mail_is_read_once);
+    RUN_TEST(test_a_measured_dead_time_has_become_another);
     RUN_TEST(test_the_current_of_a_trip_is_reported);
     RUN_TEST(test_after_a_mailbox_that_lies_the_drive_can_be_started_again);
     RUN_TEST(test_an_estimate_of_no_motor_is_a_lost_lock);

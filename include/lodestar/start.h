@@ -86,10 +86,14 @@ typedef struct {
 #endif
 #ifndef LODE_WITHOUT_START_MEASUREMENT
     float calm_V; ///< EMF across the vector below which the rotor counts as at rest
+    /// how well resistance and dead time are known without a measurement (S33): calm_V over the standard deviation of
+    /// their voltages at the start current, squared
+    float r_known;
+    float dead_known;
 #endif
 } lode_start_tuning_t;
 
-/// Result of the measurement at standstill (S13).
+/// Result of the measurement at standstill (S13), (S33).
 typedef struct {
     float r_Ohm;  ///< resistance beyond the one that is accounted for
     float dead_V; ///< voltage along the current that does not depend on its amplitude
@@ -141,9 +145,11 @@ typedef struct {
 
 /// State while the vector stands.
 typedef struct {
-    float sum_V;   ///< sum of the voltages along the axis at which the vector waits
-    float summed;  ///< number of values in the sum
-    float along_V; ///< their mean at half of the current
+    float sum_V;  ///< sum of the voltages along the axis at which the vector waits
+    float summed; ///< number of values in the sum
+    float weight; ///< weight of their mean (S33)
+    float half_V; ///< mean at half of the current
+    float half_weight;
     /// rounds at the present current; in ALIGN with all of the current
     uint_least16_t dwelt;
     uint_least16_t calm; ///< number of those values without voltage across the vector

@@ -157,6 +157,8 @@
     ROW(FLOAT, float, start.omega_per_noise) \
     ROW(FLOAT, float, start.omega_most) \
     ROW(FLOAT, float, start.calm_V) \
+    ROW(FLOAT, float, start.r_known) \
+    ROW(FLOAT, float, start.dead_known) \
     ROW(FLOAT, float, fly.share_first) \
     ROW(FLOAT, float, fly.share_dead) \
     ROW(FLOAT, float, signal_check.pulse) \
@@ -221,6 +223,8 @@
     ROW("start.omega_per_noise", "PLAUSIBILITY") \
     ROW("start.omega_most", "PLAUSIBILITY") \
     ROW("start.calm_V", "START_MEASUREMENT") \
+    ROW("start.r_known", "START_MEASUREMENT") \
+    ROW("start.dead_known", "START_MEASUREMENT") \
     ROW("fly", "FLYING_START") \
     ROW("signal_check", "SIGNAL_CHECK") \
     ROW("plausibility", "PLAUSIBILITY")
