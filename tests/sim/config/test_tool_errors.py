@@ -258,7 +258,8 @@ def defaults_that_are_refused(checks, folder):
         folder.write("m.ini", motor.format(**values))
         refused(checks, folder, ["run", "s.ini"], pattern)
     # At 0.6 rad a period the PLL's default keeps to what the observer bears; one that is given is refused.
-    folder.write("m.ini", motor.format(KV=750, f=20000, v=36, i=20))
+    light = motor.replace("J_gcm2 = 300", "J_gcm2 = 30")  # so that it needs all of it
+    folder.write("m.ini", light.format(KV=750, f=20000, v=36, i=20))
     checks.equal(folder.run("run", "s.ini").returncode, 0, "exit code of a fast motor with all defaults")
     refused(checks, folder, ["run", "s.ini", "--set", "estimator.w0_rad_s=9000"],
             r"^--set: \[estimator\] w0_rad_s = 9000: LODE_ERROR_PLL_OBSERVER: expected .*; "
