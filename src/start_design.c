@@ -154,12 +154,6 @@ static float unknown_V(const lode_motor_t *motor, const lode_inverter_config_t *
            RESISTANCE_UNKNOWN * drop_V(motor, inverter, current_A);
 }
 
-// (S33): weight of a value whose voltage has this standard deviation.
-static float known(float calm_V, float deviation_V) {
-    const float share = calm_V / lode_max(deviation_V, FLT_MIN);
-    return lode_min(share * share, KNOWN_MAX);
-}
-
 // Voltage along the start current that is known, but neither corrected nor part of the observer's voltage (S12).
 static float left_out_V(const lode_inverter_config_t *inverter, float ts_s) {
     const bool known =
@@ -338,6 +332,29 @@ static uint32_t rounds_in(float time_s, float ts_s) {
     return (uint32_t)(int32_t)lode_clamp(rounds + 0.5f, least, ROUNDS_MAX);
 }
 
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+
+// (S33): weight of a value that is known so well that its voltage has this standard deviation.
+static float weight_known(float calm_V, float deviation_V) {
+    const float share = calm_V / lode_max(deviation_V, FLT_MIN);
+    return lode_min(share * share, KNOWN_MAX);
+}
+
+static void tune_measurement(lode_start_tuning_t *tuning, const lode_start_config_t *config,
+                             const lode_inverter_config_t *inverter, const lode_motor_t *motor,
+                             float ts_s) {
+    const float calm_V = CALM_SHARE * unknown_V(motor, inverter, config->current_A, ts_s);
+    const float r_V = RESISTANCE_DEVIATION * drop_V(motor, inverter, config->current_A);
+    const float dead_V = lost_V(inverter, DEAD_TIME_DEVIATION_s, 0.0f, ts_s);
+    tuning->dwell_rounds =
+        config->measure == LODE_ON ? (uint_least16_t)rounds_in(DWELL_TIME_s, ts_s) : 0u;
+    tuning->calm_V = calm_V;
+    tuning->r_known = weight_known(calm_V, r_V);
+    tuning->dead_known = weight_known(calm_V, dead_V);
+}
+
+#endif
+
 lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_config_t *config,
                               const lode_inverter_config_t *inverter, const lode_motor_t *motor,
                               float omega_max_rad_s, float ts_s) {
@@ -349,7 +366,6 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
     // torque is K times that angle. The swing appears as EMF across the vector, psi volts per rad/s, at standstill too.
     const float swing = swing_rad_s(config->current_A, motor);
     const float round_s = (float)LODE_SLOW_PERIODS * ts_s;
-    const float calm_V = CALM_SHARE * unknown_V(motor, inverter, config->current_A, ts_s);
     *tuning = (lode_start_tuning_t){
         .current_A = config->current_A,
         .current_step = config->current_A * ts_s / config->current_rise_s,
@@ -382,13 +398,9 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
                                        NOISE_MOST * config->omega_handover_rad_s)
                           : config->omega_handover_rad_s,
 #endif
-#ifndef LODE_WITHOUT_START_MEASUREMENT
-        .dwell_rounds =
-            config->measure == LODE_ON ? (uint_least16_t)rounds_in(DWELL_TIME_s, ts_s) : 0u,
-        .calm_V = calm_V,
-        .r_known = known(calm_V, RESISTANCE_DEVIATION * drop_V(motor, inverter, config->current_A)),
-        .dead_known = known(calm_V, lost_V(inverter, DEAD_TIME_DEVIATION_s, 0.0f, ts_s)),
-#endif
     };
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+    tune_measurement(tuning, config, inverter, motor, ts_s);
+#endif
     return LODE_OK;
 }
