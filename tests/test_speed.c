@@ -673,7 +673,7 @@ typedef struct {
 /// How its speed has changed over the second half of 80/sigma, after a push. PLL (P4), two poles of an observer, one of current
 /// control and a dead time, which share the delay.
 static double swing_of(swinging_t the) {
-    enum { DEAD = 1024 };
+    enum { DEAD = 256 };
     const double dt = 0.3 * the.delay_s / (double)DEAD;
     const double sigma = the.sigma;
     const int steps = (int)(80.0 / sigma / dt);
