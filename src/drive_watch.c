@@ -587,7 +587,7 @@ static turning_t turning(const lode_drive_t *self, lode_flux_t flux) {
                        lode_abs(reference / self->tuning->speed.inv_pole_pairs)};
 }
 
-// Counts the looks at which the rotor hardly turns. Not with the angle of a sensor, whose loads are judged by its speed.
+// Counts the checks at which the rotor hardly turns. Not with the angle of a sensor, whose loads are judged by its speed.
 static void note_stopped(lode_drive_t *self, turning_t rotor) {
     lode_guard_t *guard = &self->guard;
     const bool looks = self->tuning->plausibility.away_rad_s > 0.0f && !lode_mode_is_sensored(self);

@@ -22,7 +22,7 @@ LODE_INLINE lode_status_t observer_check_w0(const lode_observer_config_t *config
     return lode_in_range(config->w0_rad_s, 1.0f, W0_TS_MAX / ts_s) ? LODE_OK : LODE_ERROR_EMF_W0;
 }
 
-// Delay in (K22), for a double pole at w0 or a pole at k2 `times` its time constant.
+// Delay of the observer in (K22), in time constants of its bandwidth.
 LODE_INLINE float observer_delay_s(float times, float bandwidth_rad_s) {
     return times / lode_max(bandwidth_rad_s, FLT_MIN);
 }

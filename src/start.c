@@ -37,8 +37,8 @@
 #define STEADY_LATE 2.0f
 #define STEADY_TIMES 2u
 #define STEADY_rad 2.0f
-// Weights of the two means in (S33): calm_V over their standard deviation, squared. At half of the current a rotor that has
-// not swung so far yet, and at either one that still swings, tells little.
+// Weights of the two means in (S33): calm_V over their standard deviation, squared. A mean is sure if the rotor is at rest.
+// At half of the current it is so only after SWUNG_rad of its natural swing: until then it may move slowly.
 #define WEIGHT_SURE 16.0f
 #define WEIGHT_LOOSE 0.44f
 #define SWUNG_rad 5.0f
@@ -247,7 +247,7 @@ static LODE_NOINLINE void end_dwell(lode_start_t *self, const lode_start_tuning_
     const float mean_V = rest->sum_V / lode_max(rest->summed, 1.0f);
     if (self->stage == (uint_least8_t)LODE_START_HALF) {
         enter(self, (uint_least8_t)(known ? LODE_START_FULL : LODE_START_ALONE));
-        rest->half_V = mean_V;
+        rest->half_V = known ? mean_V : 0.0f;
         rest->half_weight = weight;
     } else if (known || self->stage == (uint_least8_t)LODE_START_FULL) {
         rest->sum_V = mean_V;
@@ -265,6 +265,7 @@ static bool is_steady(const lode_start_t *self, const lode_start_tuning_t *tunin
     return summed >= (float)least && swung_rad(tuning, summed) >= STEADY_rad;
 }
 
+// Weight of the mean at the present current; 0: the rotor moves. `calm`: for 20 ms there was no EMF across the vector.
 static float weight_of(const lode_start_t *self, const lode_start_tuning_t *tuning, bool calm) {
     const bool sure = self->stage != (uint_least8_t)LODE_START_HALF ||
                       swung_rad(tuning, (float)self->seen.rest.dwelt) >= SWUNG_rad;

@@ -100,7 +100,7 @@ float lode_observer_lag_rad(const lode_observer_config_t *config, float ts_s, fl
 /// Droop of |e/m| with the electrical speed w, s^2: |e/m| is close to 1/(1 + droop w^2).
 float lode_observer_droop_s2(const lode_observer_config_t *config);
 
-/// Delay of a slow change of the EMF in the rotor's frame, s, with the speed known.
+/// Delay, s, with which speed control is designed: that of the observer within the loop of the PLL (P32).
 float lode_observer_delay_s(const lode_observer_config_t *config);
 
 #ifdef __cplusplus
