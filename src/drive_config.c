@@ -73,6 +73,11 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 #define FIRM_LOST 0.2f
 #define FIRM_STOPS_s 0.0066f // 2/e 2/3 over the 74 rad/s of (K37)
 #define SIGMA_TS_MAX 0.07f
+// (P34): the same motor gets more sigma at any hand-over, as long as the swing that dead time makes in its torque allows it
+// and the hand-over is not far below sigma.
+#define CALM_PER_VOLT 0.153f
+#define CALM_PER_HANDOVER 8.0f
+#define ROOT_STEPS 20u // each has a quarter of the error of the one before, on a logarithmic scale
 // ... and lower where the start current weakens the active flux, because an error of Lq - Ld then turns the angle. With MTPA
 // the d current moves with the torque, and such an error turns the angle twice; with half of the flux lost (the largest start
 // current by default) only the rule by speed is then left.
@@ -117,30 +122,53 @@ static float sigma_by_speed(const lode_drive_config_t *config) {
     return SIGMA_RATED_MAX * share * motor->omega_rated_rad_s;
 }
 
-// (P29): an error of Lq - Ld hardly turns the angle, and a loop can hold a rated load at the hand-over.
-static bool bears_more_sigma(const lode_drive_config_t *config) {
+// (P29): an error of Lq - Ld hardly turns the angle, and a loop can hold a rated load at this speed.
+static bool bears_more_sigma(const lode_drive_config_t *config, float omega_rad_s) {
     const lode_motor_t *motor = &config->motor;
     const float lost_Wb = lode_abs(motor->Lq_H - motor->Ld_H) * config->start.current_A;
-    const float handover_s =
-        lode_motor_run_up_s(motor, config->inverter.i_max_A) * config->start.omega_handover_rad_s;
+    const float run_up_s = lode_motor_run_up_s(motor, config->inverter.i_max_A);
     return lost_Wb <= FIRM_LOST * motor->psi_Wb &&
-           handover_s >= FIRM_STOPS_s * motor->omega_rated_rad_s;
+           run_up_s * omega_rad_s >= FIRM_STOPS_s * motor->omega_rated_rad_s;
 }
 
-// (P28), (P29): how many times more it allows at a late hand-over, if needed.
-static float late_times(const lode_drive_config_t *config) {
-    const bool firm = bears_more_sigma(config);
+// Cube root of 0 .. FLT_MAX, slow.
+static float cube_root(float x) {
+    float root = 1.0f;
+    for (uint32_t k = 0u; k < ROOT_STEPS; ++k) {
+        root = lode_sqrt(lode_sqrt(x) * lode_sqrt(root));
+    }
+    return root;
+}
+
+// (P34): largest sigma with which dead time hardly swings the torque.
+static float sigma_by_dead_time(const lode_drive_config_t *config) {
+    const lode_inverter_config_t *inverter = &config->inverter;
+    const float carrier_Hz = lode_inverter_carrier_Hz(inverter, config->f_pwm_Hz);
+    const float dead_V =
+        inverter->dead_time_s * carrier_Hz * inverter->v_bus_V + inverter->v_drop_V;
+    const float dead_Wb = dead_V * lode_motor_run_up_s(&config->motor, inverter->i_max_A);
+    const float cube = CALM_PER_VOLT * config->motor.psi_Wb / lode_max(dead_Wb, FLT_MIN);
+    return lode_min(cube_root(cube) * config->motor.omega_rated_rad_s,
+                    CALM_PER_HANDOVER * config->start.omega_handover_rad_s);
+}
+
+// How many times more it allows, if needed: (P28) and (P29) at a late hand-over, (P34) at any.
+static float more_times(const lode_drive_config_t *config) {
+    const bool firm = bears_more_sigma(config, config->start.omega_handover_rad_s);
     const float late = firm ? FIRM_HANDOVER : LATE_HANDOVER;
     const float by_handover = config->start.omega_handover_rad_s /
                               (late * lode_max(config->motor.omega_rated_rad_s, FLT_MIN));
-    const float by_need = (firm ? FIRM_NEED : LATE_NEED) * sigma_by_run_up(config) /
-                          lode_max(sigma_by_speed(config), FLT_MIN);
-    return lode_max(lode_min(by_handover, by_need), 1.0f);
+    const float one = lode_max(sigma_by_speed(config), FLT_MIN);
+    const float need = sigma_by_run_up(config) / one;
+    const float late_times = lode_min(by_handover, (firm ? FIRM_NEED : LATE_NEED) * need);
+    const bool held = bears_more_sigma(config, config->motor.omega_rated_rad_s);
+    const float calm_times = lode_min(sigma_by_dead_time(config) / one, FIRM_NEED * need);
+    return lode_max(lode_max(late_times, held ? calm_times : 1.0f), 1.0f);
 }
 
 static float sigma_of_light_rotor(const lode_drive_config_t *config) {
     const float most =
-        lode_min(late_times(config) * sigma_by_speed(config), SIGMA_TS_MAX * config->f_pwm_Hz);
+        lode_min(more_times(config) * sigma_by_speed(config), SIGMA_TS_MAX * config->f_pwm_Hz);
     return sigma_of_kind(config, lode_min(sigma_by_run_up(config), most));
 }
 
@@ -186,7 +214,7 @@ static void design_fast_fa(lode_drive_config_t *config) {
 }
 
 // Bandwidth by the rated speed, and a higher one where the inertia requires it (P20). Returns by how many times the EMF
-// observer has to be faster with it (P28).
+// observer has to be faster with it (P28), (P34).
 static float design_pll(lode_drive_config_t *config, float ts_s) {
     lode_pll_config_t *pll = &config->estimator.pll;
     const bool open = is_open(pll->sigma_rad_s) && is_open(pll->sigma_low_rad_s);
@@ -202,7 +230,7 @@ static float design_pll(lode_drive_config_t *config, float ts_s) {
         pll->sigma_low_rad_s = lode_max(pll->sigma_low_rad_s, sigma_of_light_rotor(config));
         pll->sigma_rad_s = lode_max(lode_min(pll->sigma_rad_s, most), pll->sigma_low_rad_s);
     }
-    return open ? late_times(config) : 1.0f;
+    return open ? more_times(config) : 1.0f;
 }
 
 // (K31). Unequal gains of the current sensors make EMF and torque swing twice per turn, by a share of the current. The bias
@@ -319,7 +347,7 @@ void lode_drive_design(lode_drive_config_t *config) {
     if (bias_open && bias_swings(config)) {
         config->references.id_bias_A = LODE_NONE;
     }
-    lode_motor_t late = *motor; // to the EMF observer: rated speed goes with sigma (P28)
+    lode_motor_t late = *motor; // to the EMF observer: rated speed goes with sigma (P28), (P34)
     late.omega_rated_rad_s *= design_pll(config, ts_s);
     design_gi(config);
     const bool k2_open = is_open(config->estimator.emf.k2_rad_s);

@@ -703,8 +703,9 @@ static void test_a_heavy_rotor_has_less_sigma(void) {
 }
 
 /// sigma over what `rated` speed allows. The motor loses `lost` of its flux to an error of Lq - Ld, hands over at `late` of rated
-/// speed, and its run-up time requires `need`, rad/s.
-static double times_of_sigma(double rated, double late, double lost, double need) {
+/// speed, its run-up time requires `need`, rad/s, and dead time takes `dead_V` from a phase, `drop` of them its drops.
+static double times_with_dead_time(double rated, double late, double lost, double need,
+                                   double dead_V, double drop) {
     lode_drive_config_t config = minimal();
     lode_motor_t *motor = &config.motor;
     config.f_pwm_Hz = 20000.0f;
@@ -714,8 +715,16 @@ static double times_of_sigma(double rated, double late, double lost, double need
     motor->Lq_H = motor->Ld_H + (float)(lost * (double)motor->psi_Wb / 6.0);
     config.start.omega_handover_rad_s = (float)(late * rated);
     motor->J_kgm2 *= (float)(17.0 / need / (double)lode_motor_run_up_s(motor, 12.0f));
+    config.inverter.dead_time_s =
+        (float)((1.0 - drop) * dead_V / 20000.0 / (double)config.inverter.v_bus_V);
+    config.inverter.v_drop_V = (float)(drop * dead_V);
     lode_drive_design(&config);
     return (double)config.estimator.pll.sigma_low_rad_s / (0.66 * (1.0 - 1.2 * lost) * rated);
+}
+
+/// With so much dead time that it allows nothing.
+static double times_of_sigma(double rated, double late, double lost, double need) {
+    return times_with_dead_time(rated, late, lost, need, 500.0, 0.0);
 }
 
 /// (P29): with little saliency and a rotor that a rated load does not stop at once, 0.15 takes the place of a fifth and 0.6 that
@@ -727,6 +736,27 @@ static void test_a_rotor_that_can_be_held_gets_more_sigma(void) {
     CHECK_CLOSE(1.0e-4, 0.5 / 0.15, times_of_sigma(200.0, 0.5, 0.0, 1000.0));
     CHECK_CLOSE(1.0e-4, 0.25 / 0.15, times_of_sigma(200.0, 0.25, 0.19, 500.0));
     CHECK_CLOSE(1.0e-4, 1.0, times_of_sigma(200.0, 0.25, 0.21, 500.0));
+}
+
+/// (P34): such a rotor has up to 0.6 of what its run-up time requires at any hand-over, but no more than 8 times the hand-over
+/// speed and than dead time allows.
+static void test_little_dead_time_allows_more_sigma(void) {
+    const double by_dead_time =
+        cbrt(0.153 * (double)paper_motor().psi_Wb / (17.0 / 600.0 * 0.5)) / 0.66;
+    for (int n = 0; n < 3; n++) {
+        CHECK_CLOSE(1.0e-4, by_dead_time,
+                    times_with_dead_time(200.0, 0.15, 0.0, 600.0, 0.5, 0.5 * n));
+    }
+    CHECK_CLOSE(1.0e-4, 8.0 * 0.1 / 0.66, times_with_dead_time(200.0, 0.1, 0.0, 600.0, 0.5, 0.0));
+    CHECK_CLOSE(1.0e-4, 0.6 * 600.0 / (0.66 * 471.0),
+                times_with_dead_time(471.0, 0.15, 0.0, 600.0, 0.5, 0.0));
+    CHECK_CLOSE(1.0e-4, by_dead_time / (1.0 - 1.2 * 0.19),
+                times_with_dead_time(200.0, 0.15, 0.19, 600.0, 0.5, 0.0));
+    CHECK_CLOSE(1.0e-4, 1.0, times_with_dead_time(200.0, 0.15, 0.21, 600.0, 0.5, 0.0));
+    // A rotor that reaches its rated speed within 6.6 ms is stopped by its load at any speed.
+    CHECK_CLOSE(1.0e-4, 8.0 * 0.15 / 0.66,
+                times_with_dead_time(200.0, 0.15, 0.0, 17.0 / 0.0067, 0.5, 0.0));
+    CHECK_CLOSE(1.0e-4, 1.0, times_with_dead_time(200.0, 0.15, 0.0, 17.0 / 0.0065, 0.5, 0.0));
 }
 
 static void test_a_late_hand_over_stretches_the_schedule(void) {
@@ -1056,6 +1086,7 @@ int main(void) {
     RUN_TEST(test_a_late_hand_over_leaves_room_for_sigma);
     RUN_TEST(test_a_heavy_rotor_has_less_sigma);
     RUN_TEST(test_a_rotor_that_can_be_held_gets_more_sigma);
+    RUN_TEST(test_little_dead_time_allows_more_sigma);
     RUN_TEST(test_a_light_rotor_with_mtpa_has_a_tenth_more_sigma);
     RUN_TEST(test_motors_of_many_kinds_need_no_more);
     RUN_TEST(test_every_needed_field_at_its_limits);
