@@ -24,7 +24,7 @@
 #define LEVEL_SLOPE 1.25f
 // A speed above this multiple of omega_max is an alias (P15).
 #define LODE_ALIAS_SHARE 2.0f
-// Wrong parameters make the EMF this much smaller than the speed induces, and no more; the rest is slip (P24).
+// Wrong parameters make the EMF this much smaller than the speed induces, and no more; the rest is slip (P24), (P35).
 #define SLIP_MIN 0.2f
 
 // (P30): errors of a round. Each period has at most SINE_MAX, (P24) adds at most 0.5 for each; the rest is for rounding.
@@ -48,6 +48,8 @@ float lode_estimator_recompute(lode_estimator_t *self, const lode_estimator_tuni
 float lode_estimator_limit(const lode_estimator_t *self, float error);
 // The PLL is faster than the EMF says, by the share `slip`.
 void lode_estimator_brake_slip(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
+                               float slip);
+void lode_estimator_limit_slip(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                                float slip);
 void lode_estimator_move_lag(lode_estimator_t *self, const lode_estimator_tuning_t *tuning,
                              float omega_rad_s);
@@ -383,6 +385,7 @@ LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
 #ifndef LODE_WITHOUT_BRAKE_SLIP
     if (slip > SLIP_MIN) {
         lode_estimator_brake_slip(self, tuning, slip);
+        lode_estimator_limit_slip(self, tuning, slip);
     }
 #endif
     if (self->locked) {

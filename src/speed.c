@@ -45,6 +45,9 @@ static const light_t four_times = {0.75f, 4.9f};
 #define FED_PER_SIGMA (1.0f / 3.0f)
 #define LOAD_FEED_FORWARD 0.5f
 #define LEAST_FEED_FORWARD 0.01f // less is none
+// (K47): three times the gain in all, which with the inertia as configured, or twice lighter, is still stable by (K22).
+#define DIP_GAIN 2.0f
+#define DIP_GAIN_MAX 10.0f
 // Where the PLL is this much faster than the rotor, the estimated load is mostly noise.
 #define SIGMA_RUN_UP_NOISY 78.0f
 
@@ -173,6 +176,9 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     config->kp_Nms = lode_given_or(config->kp_Nms, config->bandwidth_rad_s * J);
     config->ki_Nm =
         lode_given_or(config->ki_Nm, INTEGRAL_SHARE * config->bandwidth_rad_s * config->kp_Nms);
+    const float room = BANDWIDTH_PER_SIGMA_MAX * sigma_low * J / lode_max(config->kp_Nms, FLT_MIN);
+    const float dip_gain = injects ? LODE_NONE : lode_min(DIP_GAIN, room - 1.0f);
+    config->dip_gain = lode_given_or(config->dip_gain, dip_gain > 0.0f ? dip_gain : LODE_NONE);
     const float ramp_share =
         lode_min(RAMP_TORQUE_SHARE, RAMP_BANDWIDTH_SHARE * config->bandwidth_rad_s * run_up_s);
     config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, ramp_share * inverter->i_max_A *
@@ -213,7 +219,8 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
                               const lode_motor_t *motor, const lode_pll_config_t *pll, float ts_s) {
     if (!lode_in_range(config->kp_Nms, 1.0e-9f, 1.0e6f) ||
         !lode_in_range(config->ki_Nm, 0.0f, 1.0e6f) ||
-        !lode_in_range(config->gain_rise, 1.0f, RISE_MAX)) {
+        !lode_in_range(config->gain_rise, 1.0f, RISE_MAX) ||
+        !lode_is_none_or_in(config->dip_gain, 0.0f, DIP_GAIN_MAX)) {
         return LODE_ERROR_SPEED_GAINS;
     }
     if (!lode_in_range(config->bandwidth_rad_s, 1.0e-3f, 1.0e5f) ||
@@ -240,6 +247,8 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
         .inv_span = 1.0f / pll->omega_high_rad_s,
         .inv_pole_pairs = 1.0f / motor->pole_pairs,
         .ramp_step = config->ramp_rad_s2 * ts_s,
+        .dip_gain = lode_max(config->dip_gain, 0.0f),
+        .dip_least = config->omega_min_rad_s / motor->pole_pairs,
         .load_feed_forward = fed,
         .load_fall = fed * (1.0f - left_at_speed(pll)),
         .inertia_Nm = lode_max(config->inertia_feed_forward, 0.0f) * motor->J_kgm2 / ts_s,

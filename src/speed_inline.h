@@ -48,6 +48,19 @@ LODE_INLINE float lode_speed_fed(const lode_speed_tuning_t *tuning, float omega_
     return tuning->load_feed_forward - tuning->load_fall * lode_clamp(up, 0.0f, 1.0f);
 }
 
+// Further torque where a load has slowed the rotor down by more than this share of the reference, and is about to stop it (K47).
+// `error`: of the speed, with the gain's factor `gain`.
+#define DIP_SHARE 0.3f
+
+LODE_INLINE float lode_speed_dip_Nm(const lode_speed_t *self, const lode_speed_tuning_t *tuning,
+                                    float gain, float error) {
+    const float reference = self->reference_rad_s;
+    const float size = lode_abs(reference);
+    const float beyond = lode_sign(reference) * error - DIP_SHARE * gain * size;
+    const bool dips = beyond > 0.0f && size >= tuning->dip_least;
+    return dips ? lode_sign(reference) * tuning->dip_gain * tuning->pi.kp * beyond : 0.0f;
+}
+
 // Torque reference, Nm, for the mechanical target `target_rad_s` at the estimated ELECTRICAL speed
 // `omega_rad_s` and load torque `load_Nm` (K7, K8).
 LODE_INLINE float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t *tuning,
@@ -62,7 +75,9 @@ LODE_INLINE float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t 
     const float ramp = push > 0.0f ? lode_clamp(push + against, 0.0f, push)
                                    : lode_clamp(push + against, push, 0.0f);
     const float ff = lode_speed_fed(tuning, omega_rad_s) * load_Nm + ramp;
-    const float unlimited = lode_pi_output(&self->pi, &tuning->pi, error, ff);
+    // like the proportional part, it takes no room from the integral
+    const float unlimited = lode_pi_output(&self->pi, &tuning->pi, error, ff) +
+                            lode_speed_dip_Nm(self, tuning, gain, error);
     const lode_range_t limit = self->limit_Nm;
     if (lode_in_range(unlimited, limit.min, limit.max)) {
         lode_pi_integrate(&self->pi, &tuning->pi, error);

@@ -109,6 +109,7 @@ static const field_t numbers[] = {
     OPEN(speed.ramp_down_rad_s2, 1.0f, 1.0f, LODE_ERROR_SPEED_RAMP),
     OPEN(speed.jerk_rad_s3, 1.0f, 1.0f, LODE_ERROR_SPEED_RAMP),
     OPEN(speed.gain_rise, 1.0f, 1.0f, LODE_ERROR_SPEED_GAINS),
+    OPEN(speed.dip_gain, 0.0f, 10.0f, LODE_ERROR_SPEED_GAINS),
     OPEN(start.align_s, 0.0f, 10.0f, LODE_ERROR_START_RAMP),
     OPEN(start.catch_s, 0.0f, 10.0f, LODE_ERROR_START_RAMP),
     OPEN(speed.load_feed_forward, 0.0f, 1.0f, LODE_ERROR_SPEED_FEED_FORWARD),
@@ -214,6 +215,7 @@ static void test_negative_values_ask_for_no_default(void) {
 static void test_lode_none_is_for_those_that_may_be_done_without(void) {
     const size_t fields[] = {offsetof(lode_drive_config_t, references.id_bias_A),
                              offsetof(lode_drive_config_t, speed.load_feed_forward),
+                             offsetof(lode_drive_config_t, speed.dip_gain),
                              offsetof(lode_drive_config_t, speed.inertia_feed_forward),
                              offsetof(lode_drive_config_t, start.damping),
                              offsetof(lode_drive_config_t, start.catch_s),

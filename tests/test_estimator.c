@@ -892,6 +892,56 @@ static void test_a_slip_of_a_braked_rotor_is_no_angle(void) {
     }
 }
 
+/// (P35): the speed is at most 1.2 times what the EMF shows, but not below that of the frame.
+static void test_the_emf_bounds_the_speed(void) {
+    const lode_estimator_config_t config = designed(LODE_PLL_LESO);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        watch_t w = watch(&config, sign * 200.0, 0.0);
+        for (int k = 0; k < 4000; k++) {
+            (void)watch_step(&w, 0.0, 0.0);
+        }
+        w.tuning.acc_most = 1.0e6f;
+        const double per_rad = (double)(w.estimator.gains.theta * w.tuning.pll.inv_ts);
+        const struct {
+            double slip, behind_rad, bound; // of a speed of 200 rad/s
+        } cases[] = {
+            {0.3, 0.4, 200.0 * 1.2 / 1.3},
+            {0.5, 0.4, 200.0 * 1.2 / 1.5},
+            {0.5, 0.05, 200.0 - per_rad * sin(0.05)},
+            {0.5, -0.05, 200.0}, // the rotor is ahead
+            {0.5, 0.47, 200.0},  // beyond 25 degrees the angle is not known
+            {1.0e3, 0.44, fmax(200.0 - per_rad * sin(0.44), 0.24)},
+        };
+        for (int n = 0; n < COUNT_OF(cases); n++) {
+            lode_estimator_t slipped = w.estimator;
+            const float turn_rad = (float)sign * (float)cases[n].behind_rad;
+            slipped.pll.omega_rad_s = 200.0f * (float)sign;
+            slipped.omega_noted = 190.0f * (float)sign;
+            slipped.pll.frame = lode_angle_add(slipped.pll.frame, lode_sincos(turn_rad));
+            lode_estimator_t lost = slipped;
+            lode_estimator_limit_slip(&slipped, &w.tuning, (float)cases[n].slip);
+            const double omega = sign * (double)slipped.pll.omega_rad_s;
+            CHECK_NEAR(1.5, cases[n].bound, omega);
+            // (P30) counts from there
+            CHECK_NEAR(1.0e-3, omega - 10.0, sign * (double)slipped.omega_noted);
+            TEST_ASSERT_FALSE(lode_lag_is_far(&slipped.lag, slipped.pll.omega_rad_s));
+            lode_estimator_t unnoted = lost;
+            unnoted.omega_noted = 0.0f;
+            lode_estimator_limit_slip(&unnoted, &w.tuning, (float)cases[n].slip);
+            TEST_ASSERT_EQUAL_FLOAT(0.0f, unnoted.omega_noted);
+            lode_estimator_tuning_t heavy = w.tuning;
+            heavy.acc_most = 1.0f / (8.0f * heavy.pll.ts_s);
+            lode_estimator_t slow = lost;
+            lode_estimator_limit_slip(&slow, &heavy, (float)cases[n].slip);
+            CHECK_NEAR(1.0e-3, fmax(omega, 199.0), sign * (double)slow.pll.omega_rad_s);
+            lost.locked = false;
+            const lode_estimator_t before = lost;
+            lode_estimator_limit_slip(&lost, &w.tuning, (float)cases[n].slip);
+            TEST_ASSERT_EQUAL_MEMORY(&before, &lost, sizeof before);
+        }
+    }
+}
+
 /// The same in the loop: the current is held in the estimator's frame, which slips over a rotor that slows down by more
 /// than its torque alone. Without (P24) 24 to 58 degrees.
 static void test_a_braked_rotor_that_slows_down_more_than_expected(void) {
@@ -1151,6 +1201,7 @@ int main(void) {
     RUN_TEST(test_reset_is_idempotent_and_complete);
     RUN_TEST(test_a_rotor_that_is_held_keeps_its_speed);
     RUN_TEST(test_a_slip_of_a_braked_rotor_is_no_angle);
+    RUN_TEST(test_the_emf_bounds_the_speed);
     RUN_TEST(test_a_braked_rotor_that_slows_down_more_than_expected);
     RUN_TEST(test_a_mean_rotation_that_is_no_number_begins_anew);
     RUN_TEST(test_what_is_asked_of_a_period);

@@ -26,6 +26,7 @@ static lode_speed_config_t sound(void) {
                                  .gain_rise = 1.0f,
                                  .ramp_rad_s2 = 200.0f,
                                  .inertia_feed_forward = LODE_NONE,
+                                 .dip_gain = LODE_NONE,
                                  .load_feed_forward = 0.5f,
                                  .every_period = LODE_OFF,
                                  .omega_min_rad_s = 47.0f};
@@ -67,6 +68,49 @@ static void test_torque_is_pi_and_feed_forward(void) {
         const double integral = 1.5 - fed_at(150.0) * 2.0 + 6.0 * 2.0e-4 * n;
         CHECK_NEAR(1.0e-5, 0.8 * 1.0 + integral + fed_at(147.0) * 3.0, torque);
     }
+}
+
+/// (K47): two thirds of the speed are left or less; not where the rotor is too fast, nor below the lowest speed.
+static void test_a_deep_dip_has_more_gain(void) {
+    lode_speed_config_t config = sound();
+    config.load_feed_forward = LODE_NONE;
+    config.gain_rise = 1.5f;
+    config.dip_gain = 2.0f;
+    const lode_speed_tuning_t tuning = tuned(&config);
+    const struct {
+        double reference, omega, more; // mechanical, and of the error that counts twice more
+    } cases[] = {
+        {30.0, 21.001, 0.0}, {30.0, 20.0, 1.0},   {30.0, 5.0, 16.0},   {30.0, -3.0, 24.0},
+        {30.0, 60.0, 0.0},   {15.7, 8.0, 2.99},   {15.6, 8.0, 0.0},    {200.0, 135.0, 5.0 * 1.5},
+        {100.0, 0.0, 70.0},  {200.0, 140.1, 0.0}, {200.0, 139.0, 1.5},
+    };
+    for (int n = 0; n < 2 * COUNT_OF(cases); n++) {
+        const double sign = n % 2 == 0 ? 1.0 : -1.0;
+        const double reference = sign * cases[n / 2].reference;
+        const double omega = sign * cases[n / 2].omega;
+        lode_speed_t speed;
+        lode_speed_reset(&speed, &tuning, (float)reference, 0.5f, 0.0f, 1.0e4f);
+        const double gain = 1.0 + 0.5 * fmin(fmax(fabs(3.0 * omega) / 200.0 - 1.0, 0.0), 1.0);
+        const double torque = 0.8 * (gain * (reference - omega) + 2.0 * sign * cases[n / 2].more);
+        CHECK_NEAR(2.0e-3, 0.5 + torque,
+                   lode_speed_step(&speed, &tuning, (float)reference, 3.0f * (float)omega, 0.0f));
+    }
+}
+
+/// (K47) takes no room from the integral, as the proportional part does not.
+static void test_a_deep_dip_leaves_the_integral_alone(void) {
+    lode_speed_config_t config = sound();
+    float integral[2];
+    for (int n = 0; n < 2; n++) {
+        config.dip_gain = n == 0 ? LODE_NONE : 5.0f;
+        const lode_speed_tuning_t tuning = tuned(&config);
+        lode_speed_t speed;
+        lode_speed_reset(&speed, &tuning, 30.0f, 2.0f, 0.0f, 3.0f);
+        TEST_ASSERT_EQUAL_FLOAT(3.0f, lode_speed_step(&speed, &tuning, 30.0f, 30.0f, 0.0f));
+        integral[n] = speed.pi.integral;
+    }
+    TEST_ASSERT_EQUAL_FLOAT(integral[0], integral[1]);
+    TEST_ASSERT_EQUAL_FLOAT(2.0f, integral[1]);
 }
 
 /// (K46): all of the share at low speed, and with the full sigma as much less as keeps its part in the loop.
@@ -283,6 +327,18 @@ static void test_every_field_at_its_limits(void) {
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_RAMP, try_one(ramp, slopes[i]));
     }
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(ramp, 0.5f));
+}
+
+static void test_range_of_the_gain_in_a_dip(void) {
+    const size_t dip_gain = offsetof(lode_speed_config_t, dip_gain);
+    const float sizes[] = {LODE_NONE, 0.0f, 2.0f, 10.0f};
+    const float wrong[] = {10.00001f, -1.00001f, -0.1f, NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < COUNT_OF(sizes); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(dip_gain, sizes[i]));
+    }
+    for (int i = 0; i < COUNT_OF(wrong); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_GAINS, try_one(dip_gain, wrong[i]));
+    }
 }
 
 static void test_shares_of_the_feed_forwards(void) {
@@ -586,6 +642,22 @@ static void test_a_sudden_load_is_fed_forward(void) {
     with.qpll = false;
     with.Lq = 4.0; // no margin is left
     TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, designed(with).load_feed_forward);
+}
+
+/// (K47): three times the gain, or sigma at low speed; none where a wave holds the rotor.
+static void test_design_of_the_gain_in_a_dip(void) {
+    const float J = paper_motor().J_kgm2;
+    const struct {
+        double bandwidth, gain;
+    } cases[] = {{20.0, 2.0}, {33.0, 2.0}, {50.0, 1.0}, {80.0, 0.25}, {100.0, LODE_NONE}};
+    for (int n = 0; n < COUNT_OF(cases); n++) {
+        const with_t with = {.config = {.kp_Nms = (float)cases[n].bandwidth * J}};
+        CHECK_NEAR(1.0e-5, cases[n].gain, designed(with).dip_gain);
+    }
+    TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, designed((with_t){.injects = true}).dip_gain);
+    TEST_ASSERT_EQUAL_FLOAT(3.0f, designed((with_t){.config = {.dip_gain = 3.0f}}).dip_gain);
+    TEST_ASSERT_EQUAL_FLOAT(LODE_NONE,
+                            designed((with_t){.config = {.dip_gain = LODE_NONE}}).dip_gain);
 }
 
 /// A share that is given leaves the gains less of a rise.
@@ -1039,6 +1111,10 @@ int main(void) {
     RUN_TEST(test_any_input_gives_a_torque_in_range);
     RUN_TEST(test_a_target_that_is_no_number_is_ignored);
     RUN_TEST(test_every_field_at_its_limits);
+    RUN_TEST(test_a_deep_dip_has_more_gain);
+    RUN_TEST(test_a_deep_dip_leaves_the_integral_alone);
+    RUN_TEST(test_range_of_the_gain_in_a_dip);
+    RUN_TEST(test_design_of_the_gain_in_a_dip);
     RUN_TEST(test_shares_of_the_feed_forwards);
     RUN_TEST(test_gains_rise_with_the_pll);
     RUN_TEST(test_range_of_the_gain_rise);

@@ -33,6 +33,9 @@ typedef struct {
     /// share of the estimated load torque that is fed forward at low speed, 0 .. 1; less as the PLL's sigma rises (K46).
     /// LODE_NONE: none. 0: none, but up to 0.5 with injection, and where a rated load stops the rotor within 10 ms (K40)
     float load_feed_forward;
+    /// gain beyond kp_Nms, over kp_Nms, where a load has slowed the rotor down by more than 30 % of the reference (K47), 0 .. 10;
+    /// 0: 2, or less for a bandwidth of sigma at low speed in all, and none with injection; LODE_NONE: none
+    float dip_gain;
     /// lowest ELECTRICAL speed that is held without an angle sensor; 0: hand-over speed
     float omega_min_rad_s;
     lode_choice_t
@@ -52,6 +55,8 @@ typedef struct {
     float
         jerk_step; ///< largest change of the step, per call; 0: no limit, and ramp_down_step is not used
 #endif
+    float dip_gain;  ///< on the error by which a load has slowed the rotor, over pi.kp (K47)
+    float dip_least; ///< smallest reference with it, mechanical rad/s
     float load_feed_forward; ///< share up to half of that electrical speed
     float load_fall;         ///< what is missing of it from that speed on (K46)
     float inertia_Nm;        ///< torque per mechanical rad/s of a step of the reference

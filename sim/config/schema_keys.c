@@ -156,6 +156,7 @@ static const rig_key_t keys[] = {
     NUMBER("speed", "ramp_rpm_s", people.ramp_rpm_s, 1e-3, 1e9),
     FLOAT_OR_NONE("speed", "inertia_feed_forward", speed.inertia_feed_forward),
     FLOAT_OR_NONE("speed", "load_feed_forward", speed.load_feed_forward),
+    FLOAT_OR_NONE("speed", "dip_gain", speed.dip_gain),
     CHOICE("speed", "every_period", drive.speed.every_period, "auto|on|off", NULL),
     FLOAT("speed", "omega_min_rad_s", speed.omega_min_rad_s),
 

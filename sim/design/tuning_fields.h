@@ -129,6 +129,8 @@
     ROW(FLOAT, float, speed.ramp_step) \
     ROW(FLOAT, float, speed.ramp_down_step) \
     ROW(FLOAT, float, speed.jerk_step) \
+    ROW(FLOAT, float, speed.dip_gain) \
+    ROW(FLOAT, float, speed.dip_least) \
     ROW(FLOAT, float, speed.load_feed_forward) \
     ROW(FLOAT, float, speed.load_fall) \
     ROW(FLOAT, float, speed.inertia_Nm) \
@@ -321,6 +323,7 @@
     ROW(FLOAT, float, speed.jerk_rad_s3) \
     ROW(FLOAT, float, speed.inertia_feed_forward) \
     ROW(FLOAT, float, speed.load_feed_forward) \
+    ROW(FLOAT, float, speed.dip_gain) \
     ROW(FLOAT, float, speed.omega_min_rad_s) \
     ROW(CHOICE, lode_choice_t, speed.every_period) \
     ROW(FLOAT, float, start.current_A) \

@@ -138,7 +138,8 @@ REFUSALS = {
     "CURRENT_BANDWIDTH": ["current.bandwidth_rad_s=1e5"],
     "CURRENT_GAINS": ["current.kp_d_V_A=1000", "current.ki_q_V_As=1e9 current.kp_d_V_A=3"],
     "CURRENT_VOLTAGE": ["current.voltage_use=2"],
-    "SPEED_GAINS": ["speed.kp_Nms=-1", "speed.gain_rise=11 speed.ki_Nm=1", "speed.kp_A_s_rad=1e9",
+    "SPEED_GAINS": ["speed.kp_Nms=-1", "speed.gain_rise=11 speed.ki_Nm=1", "speed.dip_gain=11",
+                    "speed.kp_A_s_rad=1e9",
                     "speed.ki_Nm=1e7 speed.kp_Nms=0.2"],
     "SPEED_BANDWIDTH": ["speed.bandwidth_rad_s=1000", "speed.kp_Nms=5", "speed.kp_A_s_rad=10"],
     "SPEED_RAMP": ["speed.ramp_rad_s2=1e9", "speed.ramp_rpm_s=1e9", "speed.ramp_down_rad_s2=1e9",
@@ -226,7 +227,7 @@ def words_are_not_said_for_numbers(checks, folder):
     or_none += re.findall(r'PLAIN\("(\w+)", "(\w+)", \S+, RIG_KEY_FLOAT_OR_NONE\)', keys)
     or_word = re.findall(r'NUMBER_OR\("(\w+)", "(\w+)", \S+, \S+, \S+, "(\w+)"\)', keys)
     or_word += [("phase.start", *found) for found in re.findall(r'PHASE_NUMBER_OR\("(\w+)", .*"(\w+)"\)', keys)]
-    checks.equal((len(or_none), len(or_word)), (11, 3), "keys with a word")
+    checks.equal((len(or_none), len(or_word)), (12, 3), "keys with a word")
     for section, key in or_none:
         more = BELOW_ZERO.get(f"{section}.{key}", "").split()
         for typed in ("-5", "-2.5", "-1e30"):
