@@ -48,15 +48,12 @@ LODE_INLINE float lode_speed_fed(const lode_speed_tuning_t *tuning, float omega_
     return tuning->load_feed_forward - tuning->load_fall * lode_clamp(up, 0.0f, 1.0f);
 }
 
-// Further torque where a load has slowed the rotor down by more than this share of the reference, and is about to stop it (K47).
-// `error`: of the speed, with the gain's factor `gain`.
-#define DIP_SHARE 0.3f
-
+// Further torque where a load is about to stop the rotor (K47). `error`: of the speed, with the gain's factor `gain`.
 LODE_INLINE float lode_speed_dip_Nm(const lode_speed_t *self, const lode_speed_tuning_t *tuning,
                                     float gain, float error) {
     const float reference = self->reference_rad_s;
     const float size = lode_abs(reference);
-    const float beyond = lode_sign(reference) * error - DIP_SHARE * gain * size;
+    const float beyond = lode_sign(reference) * error - LODE_SPEED_DIP_SHARE * gain * size;
     const bool dips = beyond > 0.0f && size >= tuning->dip_least;
     return dips ? lode_sign(reference) * tuning->dip_gain * tuning->pi.kp * beyond : 0.0f;
 }

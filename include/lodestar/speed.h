@@ -14,6 +14,9 @@
 extern "C" {
 #endif
 
+/// Share of the reference that a load takes before dip_gain acts (K47).
+#define LODE_SPEED_DIP_SHARE 0.3f
+
 /// Configuration of speed control. Speeds are MECHANICAL unless they are called electrical.
 typedef struct {
     float kp_Nms; ///< torque per rad/s; 0: from the bandwidth
@@ -33,7 +36,7 @@ typedef struct {
     /// share of the estimated load torque that is fed forward at low speed, 0 .. 1; less as the PLL's sigma rises (K46).
     /// LODE_NONE: none. 0: none, but up to 0.5 with injection, and where a rated load stops the rotor within 10 ms (K40)
     float load_feed_forward;
-    /// gain beyond kp_Nms, over kp_Nms, where a load has slowed the rotor down by more than 30 % of the reference (K47), 0 .. 10;
+    /// gain beyond kp_Nms, over kp_Nms, where a load has taken more than LODE_SPEED_DIP_SHARE of the speed (K47), 0 .. 10;
     /// 0: 2, or less for a bandwidth of sigma at low speed in all, and none with injection; LODE_NONE: none
     float dip_gain;
     /// lowest ELECTRICAL speed that is held without an angle sensor; 0: hand-over speed

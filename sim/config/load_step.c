@@ -4,11 +4,12 @@
 
 #include "config/speed_limits.h"
 
-// (K18): the speed dip after a load step, the share of the feed-forward that acts in time, and the speed below
+// (K18): the speed dip after a load step, the shares of the feed-forward and of (K47) that act in time, and the speed below
 // which the inverter's errors hide the EMF, as a share of the hand-over speed.
 #define DIP 0.735759 // 2/e (K15)
 #define LATE 1.2
 #define FED_IN_TIME 0.5
+#define DEEP_IN_TIME 0.5
 #define FLOOR_SHARE 0.5
 #define OVERSHOOT 0.135335 // 1/e^2: of the torque of (K8) after a load step
 
@@ -27,13 +28,16 @@ static double fed_at(const lode_speed_tuning_t *tuning, double omega_rad_s) {
 /// The load step that makes the speed dip to the lowest usable speed; with injection no speed is too low.
 static double by_speed_Nm(const lode_drive_config_t *drive, const lode_speed_tuning_t *tuning,
                           double omega_rad_s) {
-    const double room = omega_rad_s - FLOOR_SHARE * (double)drive->start.omega_handover_rad_s;
+    const double room =
+        fmax(omega_rad_s - FLOOR_SHARE * (double)drive->start.omega_handover_rad_s, 0.0);
+    const double deep = fmax(room - (double)LODE_SPEED_DIP_SHARE * omega_rad_s, 0.0); // (K47)
     const double fed = 1.0 - FED_IN_TIME * fed_at(tuning, omega_rad_s);
     const double kp = gain_at(tuning, omega_rad_s) * (double)drive->speed.kp_Nms;
     if (drive->hfi.mode == LODE_HFI_ON) {
         return HUGE_VAL;
     }
-    return fmax(room, 0.0) * kp / (LATE * DIP * (double)drive->motor.pole_pairs * fed);
+    return (room + DEEP_IN_TIME * (double)tuning->dip_gain * deep) * kp /
+           (LATE * DIP * (double)drive->motor.pole_pairs * fed);
 }
 
 load_step_t load_step_largest(const lode_drive_config_t *drive, const lode_speed_tuning_t *tuning,

@@ -7,7 +7,7 @@
 #include "config/load_step.h"
 #include "support/units.h"
 
-#define STEP_SHARE_LEAST 0.35 // simulated drives withstand 1.2 to 2.1 times as much: about half
+#define STEP_SHARE_LEAST 0.35 // simulated drives withstand 1.1 to 2.1 times as much: about half
 #define MARGIN_LEAST_deg 30.0
 
 // ---- Load steps ------------------------------------------------------------------------------------

@@ -422,11 +422,11 @@ def injection(checks, folder):
 
 
 def step_as_k18(config, speed_rpm, gain=1.0):
-    """(K18), worked out here: the load that leaves half of the hand-over speed."""
+    """(K18), worked out here: the load that leaves half of the hand-over speed; with (K47) beyond 30 % of the speed."""
     np, speed = config["motor"]["pole_pairs"], config["speed"]
-    fed = speed["load_feed_forward"]
-    fed = fed if isinstance(fed, float) and fed > 0 else 0.0
+    fed, dip = [0.0 if isinstance(x, str) else max(x, 0) for x in (speed["load_feed_forward"], speed["dip_gain"])]
     room = speed_rpm * RPM * np - 0.5 * config["start"]["omega_handover_rad_s"]
+    room += 0.5 * dip * max(room - 0.3 * speed_rpm * RPM * np, 0.0)
     return room * gain * speed["kp_Nms"] / (1.2 * 2 / math.e * np * (1 - 0.5 * fed))
 
 
