@@ -163,7 +163,7 @@ static float more_times(const lode_drive_config_t *config) {
     const float late_times = lode_min(by_handover, (firm ? FIRM_NEED : LATE_NEED) * need);
     const bool held = bears_more_sigma(config, config->motor.omega_rated_rad_s);
     const float calm_times = lode_min(sigma_by_dead_time(config) / one, FIRM_NEED * need);
-    return lode_max(lode_max(late_times, held ? calm_times : 1.0f), 1.0f);
+    return lode_max(held ? lode_max(late_times, calm_times) : late_times, 1.0f);
 }
 
 static float sigma_of_light_rotor(const lode_drive_config_t *config) {

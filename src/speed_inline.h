@@ -53,9 +53,9 @@ LODE_INLINE float lode_speed_dip_Nm(const lode_speed_t *self, const lode_speed_t
                                     float gain, float error) {
     const float reference = self->reference_rad_s;
     const float size = lode_abs(reference);
-    const float beyond = lode_sign(reference) * error - LODE_SPEED_DIP_SHARE * gain * size;
-    const bool dips = beyond > 0.0f && size >= tuning->dip_least;
-    return dips ? lode_sign(reference) * tuning->dip_gain * tuning->pi.kp * beyond : 0.0f;
+    const float lacking = lode_sign(reference) * error - LODE_SPEED_DIP_SHARE * gain * size;
+    const float more_Nm = tuning->dip_gain * tuning->pi.kp * lode_max(lacking, 0.0f);
+    return size >= tuning->dip_least ? lode_sign(reference) * more_Nm : 0.0f;
 }
 
 // Torque reference, Nm, for the mechanical target `target_rad_s` at the estimated ELECTRICAL speed

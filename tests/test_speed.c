@@ -77,12 +77,16 @@ static void test_a_deep_dip_has_more_gain(void) {
     config.gain_rise = 1.5f;
     config.dip_gain = 2.0f;
     const lode_speed_tuning_t tuning = tuned(&config);
+    const double least = (double)tuning.dip_least;
+    CHECK_CLOSE(1.0e-6, 47.0 / 3.0, least);
+    TEST_ASSERT_EQUAL_FLOAT(2.0f, tuning.dip_gain);
     const struct {
         double reference, omega, more; // mechanical, and of the error that counts twice more
     } cases[] = {
-        {30.0, 21.001, 0.0}, {30.0, 20.0, 1.0},   {30.0, 5.0, 16.0},   {30.0, -3.0, 24.0},
-        {30.0, 60.0, 0.0},   {15.7, 8.0, 2.99},   {15.6, 8.0, 0.0},    {200.0, 135.0, 5.0 * 1.5},
-        {100.0, 0.0, 70.0},  {200.0, 140.1, 0.0}, {200.0, 139.0, 1.5},
+        {30.0, 21.001, 0.0},       {30.0, 20.0, 1.0},         {30.0, 5.0, 16.0},
+        {30.0, -3.0, 24.0},        {30.0, 60.0, 0.0},         {15.7, 8.0, 2.99},
+        {15.6, 8.0, 0.0},          {200.0, 135.0, 5.0 * 1.5}, {100.0, 0.0, 70.0},
+        {least, 0.0, 0.7 * least}, {200.0, 140.1, 0.0},       {200.0, 139.0, 1.5},
     };
     for (int n = 0; n < 2 * COUNT_OF(cases); n++) {
         const double sign = n % 2 == 0 ? 1.0 : -1.0;
@@ -656,6 +660,10 @@ static void test_design_of_the_gain_in_a_dip(void) {
     }
     TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, designed((with_t){.injects = true}).dip_gain);
     TEST_ASSERT_EQUAL_FLOAT(3.0f, designed((with_t){.config = {.dip_gain = 3.0f}}).dip_gain);
+    lode_speed_config_t small = sound();
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, tuned(&small).dip_gain);
+    small.dip_gain = 0.5f;
+    TEST_ASSERT_EQUAL_FLOAT(0.5f, tuned(&small).dip_gain);
     TEST_ASSERT_EQUAL_FLOAT(LODE_NONE,
                             designed((with_t){.config = {.dip_gain = LODE_NONE}}).dip_gain);
 }
