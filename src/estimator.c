@@ -335,24 +335,24 @@ LODE_NOINLINE void lode_estimator_brake_slip(lode_estimator_t *self,
     lode_estimator_move_lag(self, tuning, self->pll.omega_rad_s);
 }
 
-// A load that stops the rotor shows in the EMF's amplitude before the PLL's speed has followed: bounds that speed by it, but not
-// below the speed of the frame, which its corrections turn as well, and no faster than torque changes it (P35). Not LODE_RAMFUNC: rare.
+// A load that stops the rotor shows in the EMF's amplitude before the PLL's speed has followed. Bounds that speed by it, where the
+// frame is as much slower: its corrections turn it, too. Not below the frame, and no faster than torque changes it (P35).
+// Not LODE_RAMFUNC: rare.
 LODE_NOINLINE void lode_estimator_limit_slip(lode_estimator_t *self,
                                              const lode_estimator_tuning_t *tuning, float slip) {
-    const float omega = self->pll.omega_rad_s;
+    const float sign = lode_sign(self->pll.omega_rad_s);
+    const float omega = lode_abs(self->pll.omega_rad_s);
     const lode_dq_t e_V = lode_park(self->emf.observer.e_V, self->pll.frame);
     const float sine = e_V.d * self->per_V;
     const float cosine = lode_abs(e_V.q * self->per_V);
-    const float frame = omega + self->gains.theta * tuning->pll.inv_ts * sine;
-    const float least = lode_max(lode_sign(omega) * frame, 0.0f);
-    const float by_emf = lode_abs(omega) * (1.0f + SLIP_MIN) / (1.0f + slip);
-    const float round_s = (float)LODE_SLOW_PERIODS * tuning->pll.ts_s;
-    const float fall =
-        lode_min(lode_abs(omega) - lode_max(by_emf, least), tuning->acc_most * round_s);
-    if (self->locked && cosine >= ALIGNED_SHARE && fall > 0.0f) {
-        const float change = -lode_sign(omega) * fall;
-        self->pll.omega_rad_s += change;
-        self->omega_noted += lode_abs(self->omega_noted) > 0.0f ? change : 0.0f; // for (P30)
+    const float frame = omega + sign * self->gains.theta * tuning->pll.inv_ts * sine;
+    const bool both = cosine >= ALIGNED_SHARE && (1.0f + SLIP_MIN) * frame < omega;
+    if (self->locked && both) {
+        const float by_emf = omega * (1.0f + SLIP_MIN) / (1.0f + slip);
+        const float round_s = (float)LODE_SLOW_PERIODS * tuning->pll.ts_s;
+        const float fall = lode_min(omega - lode_max(by_emf, frame), tuning->acc_most * round_s);
+        self->pll.omega_rad_s -= sign * fall;
+        self->omega_noted -= lode_abs(self->omega_noted) > 0.0f ? sign * fall : 0.0f; // for (P30)
         lode_estimator_move_lag(self, tuning, self->pll.omega_rad_s);
     }
 }

@@ -907,11 +907,13 @@ static void test_the_emf_bounds_the_speed(void) {
         } cases[] = {
             {200.0, 0.3, 0.4, 200.0 * 1.2 / 1.3},
             {200.0, 0.5, 0.4, 200.0 * 1.2 / 1.5},
-            {200.0, 0.5, 0.05, 200.0 - per_rad * sin(0.05)},
+            {200.0, 1.0, 0.2, 200.0 - per_rad * sin(0.2)},
+            {200.0, 1.0, asin(34.0 / per_rad), 166.0}, // a sixth behind
+            {200.0, 1.0, asin(33.0 / per_rad), 200.0},
             {200.0, 0.5, -0.05, 200.0}, // the rotor is ahead
             {200.0, 0.5, 0.47, 200.0},  // beyond 25 degrees the angle is not known
             {200.0, 1.0e3, 0.44, 200.0 - per_rad * sin(0.44)},
-            {20.0, 1.0e3, 0.44, 0.024},
+            {20.0, 1.0e3, 0.44, 0.024}, // the frame turns backwards
         };
         for (int n = 0; n < COUNT_OF(cases); n++) {
             const float slip = (float)cases[n].slip;
