@@ -192,6 +192,15 @@ def takes_a_file_with_motor_and_drive(checks, folder):
     refused(checks, folder, ["faults", "--motors", "motor.ini"], r"^motor.ini: \[drive\] f_pwm_Hz: missing")
 
 
+def names_weak_magnets(checks, folder):
+    """(P25): 30 % of the flux is gone, with a PLL whose speed the EMF bounds (P35). It hid that at half speed of eldeeb2017."""
+    for motor in ("jiang2022", "eldeeb2017", "servo_48V", "ultrazohm6"):
+        _, cases = cases_of(folder, "--motors", motor, "--kinds", "flux-70")
+        for point in ("50 %", "100 %"):
+            checks.equal(cases["flux-70", point]["found"], "FLUX", f"weak magnets of {motor} at {point}")
+            checks.at_most(cases["flux-70", point]["found_s"], 0.1, f"weak magnets of {motor} at {point}")
+
+
 def refuses(checks, folder):
     for arguments, says in [(["--kinds", "none,nonsense"], "--kinds nonsense: unknown; expected one or more of none, adc-frozen"),
                             *((["--kinds", names], "--kinds: expected names separated by commas, each name once")
@@ -217,6 +226,7 @@ with Folder() as folder:
     tries_bridge_and_sensors_before_a_start(checks, folder)
     finds_sensors_that_come_to_show_less_in_a_start(checks, folder)
     finds_while_it_injects(checks, folder)
+    names_weak_magnets(checks, folder)
     breaks_where_that_is_asked_for(checks, folder)
     tells_starts_that_were_given_up(checks, folder)
     bits_of_more_seeds_are_not_silent(checks, folder)
