@@ -45,7 +45,7 @@ static const light_t four_times = {0.75f, 4.9f};
 #define FED_PER_SIGMA (1.0f / 3.0f)
 #define LOAD_FEED_FORWARD 0.5f
 #define LEAST_FEED_FORWARD 0.01f // less is none
-// (K47): three times the gain in all, which with the inertia as configured, or twice lighter, is still stable by (K22).
+// (K47): three times the gain in all, with which a rotor twice lighter than configured is still stable.
 #define DIP_GAIN 2.0f
 #define DIP_GAIN_MAX 10.0f
 // Where the PLL is this much faster than the rotor, the estimated load is mostly noise.
