@@ -234,7 +234,7 @@ def never_ran(checks, folder):
     checks.equal(done.stdout.count(", RUN was never reached\n"), 2, f"its verdicts: {done.stdout}")
     checks.true("\n0 of 2 passed (no bars set: passed means no fault, and in RUN where commanded)\n" in done.stdout, done.stdout)
     # Noise in which no start comes to its end.
-    noisy = folder.run("run", "--motor", "traction_400V", "--drive", "traction_400V", "--set", "plant.i_noise_A=12", "--seeds", "1-4")
+    noisy = folder.run("run", "--motor", "traction_400V", "--drive", "traction_400V", "--set", "plant.i_noise_A=18", "--seeds", "1-4")
     checks.true("\n0 of 4 passed " in noisy.stdout, f"a motor that cannot start: {noisy.stdout}")
 
 
