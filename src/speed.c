@@ -331,6 +331,15 @@ LODE_NOINLINE float lode_speed_shaped_step(lode_speed_t *self, const lode_speed_
 
 #endif
 
+// Not LODE_RAMFUNC: rare.
+LODE_NOINLINE float lode_speed_dip_Nm(const lode_speed_t *self, const lode_speed_tuning_t *tuning,
+                                      float gain, float error) {
+    const float reference = self->reference_rad_s;
+    const float lacking = error - LODE_SPEED_DIP_SHARE * gain * reference;
+    return lode_abs(reference) >= tuning->dip_least ? tuning->dip_gain * tuning->pi.kp * lacking
+                                                    : 0.0f;
+}
+
 #ifndef LODE_WITHOUT_TORQUE_CONTROL
 
 // The estimated load, and the part of it that is fed forward.

@@ -48,14 +48,15 @@ LODE_INLINE float lode_speed_fed(const lode_speed_tuning_t *tuning, float omega_
     return tuning->load_feed_forward - tuning->load_fall * lode_clamp(up, 0.0f, 1.0f);
 }
 
-// Further torque where a load is about to stop the rotor (K47). `error`: of the speed, with the gain's factor `gain`.
-LODE_INLINE float lode_speed_dip_Nm(const lode_speed_t *self, const lode_speed_tuning_t *tuning,
-                                    float gain, float error) {
+// Further torque where a load has taken more than LODE_SPEED_DIP_SHARE of the speed (K47). `error`: of the speed, with the gain's
+// factor `gain`.
+float lode_speed_dip_Nm(const lode_speed_t *self, const lode_speed_tuning_t *tuning, float gain,
+                        float error);
+
+// The rotor lacks so much of the reference.
+LODE_INLINE bool lode_speed_dips(const lode_speed_t *self, float gain, float error) {
     const float reference = self->reference_rad_s;
-    const float size = lode_abs(reference);
-    const float lacking = lode_sign(reference) * error - LODE_SPEED_DIP_SHARE * gain * size;
-    const float more_Nm = tuning->dip_gain * tuning->pi.kp * lode_max(lacking, 0.0f);
-    return size >= tuning->dip_least ? lode_sign(reference) * more_Nm : 0.0f;
+    return error * reference > LODE_SPEED_DIP_SHARE * gain * reference * reference;
 }
 
 // Torque reference, Nm, for the mechanical target `target_rad_s` at the estimated ELECTRICAL speed
@@ -72,9 +73,11 @@ LODE_INLINE float lode_speed_step(lode_speed_t *self, const lode_speed_tuning_t 
     const float ramp = push > 0.0f ? lode_clamp(push + against, 0.0f, push)
                                    : lode_clamp(push + against, push, 0.0f);
     const float ff = lode_speed_fed(tuning, omega_rad_s) * load_Nm + ramp;
-    // like the proportional part, it takes no room from the integral
-    const float unlimited = lode_pi_output(&self->pi, &tuning->pi, error, ff) +
-                            lode_speed_dip_Nm(self, tuning, gain, error);
+    float unlimited = lode_pi_output(&self->pi, &tuning->pi, error, ff);
+    if (lode_speed_dips(self, gain, error)) {
+        // like the proportional part, it takes no room from the integral
+        unlimited += lode_speed_dip_Nm(self, tuning, gain, error);
+    }
     const lode_range_t limit = self->limit_Nm;
     if (lode_in_range(unlimited, limit.min, limit.max)) {
         lode_pi_integrate(&self->pi, &tuning->pi, error);
