@@ -62,8 +62,6 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 #define SIGMA_RUN_UP 17.0f
 // More than this many times as much only passes on ripple, of dead time above all (P33).
 #define SIGMA_HEAVY 4.0f
-// Upper bounds, for the observer (0.2 w0) and for sampling ...
-#define SIGMA_RATED_MAX 0.66f
 // (P28): a hand-over beyond this share of rated speed is late; sigma is raised if below this share of what is required. Both
 // go further for a motor whose angle an error of Lq - Ld hardly turns and that a rated load does not stop at once (P29).
 #define LATE_HANDOVER 0.2f
@@ -72,12 +70,14 @@ static lode_motor_t circuit_of(const lode_drive_config_t *config) {
 #define FIRM_NEED 0.6f
 #define FIRM_LOST 0.2f
 #define FIRM_STOPS_s 0.0066f // 2/e 2/3 over the 74 rad/s of (K37)
-#define SIGMA_TS_MAX 0.07f
-// (P34): the same motor gets more sigma at any hand-over, as long as the swing that dead time makes in its torque allows it
-// and the hand-over is not far below sigma.
-#define CALM_PER_VOLT 0.153f
-#define CALM_PER_HANDOVER 8.0f
+// (P34): at any hand-over such a motor gets more sigma, as far as the swing that dead time makes in its torque allows it, and no
+// more than this many times the hand-over speed.
+#define SIGMA_DEAD_TIME 0.153f
+#define SIGMA_PER_HANDOVER 8.0f
 #define ROOT_STEPS 20u // each has a quarter of the error of the one before, on a logarithmic scale
+// Upper bounds, for the observer (0.2 w0) and for sampling ...
+#define SIGMA_RATED_MAX 0.66f
+#define SIGMA_TS_MAX 0.07f
 // ... and lower where the start current weakens the active flux, because an error of Lq - Ld then turns the angle. With MTPA
 // the d current moves with the torque, and such an error turns the angle twice; with half of the flux lost (the largest start
 // current by default) only the rule by speed is then left.
@@ -147,9 +147,9 @@ static float sigma_by_dead_time(const lode_drive_config_t *config) {
     const float dead_V =
         inverter->dead_time_s * carrier_Hz * inverter->v_bus_V + inverter->v_drop_V;
     const float dead_Wb = dead_V * lode_motor_run_up_s(&config->motor, inverter->i_max_A);
-    const float cube = CALM_PER_VOLT * config->motor.psi_Wb / lode_max(dead_Wb, FLT_MIN);
+    const float cube = SIGMA_DEAD_TIME * config->motor.psi_Wb / lode_max(dead_Wb, FLT_MIN);
     return lode_min(cube_root(cube) * config->motor.omega_rated_rad_s,
-                    CALM_PER_HANDOVER * config->start.omega_handover_rad_s);
+                    SIGMA_PER_HANDOVER * config->start.omega_handover_rad_s);
 }
 
 // How many times more it allows, if needed: (P28) and (P29) at a late hand-over, (P34) at any.
@@ -158,12 +158,12 @@ static float more_times(const lode_drive_config_t *config) {
     const float late = firm ? FIRM_HANDOVER : LATE_HANDOVER;
     const float by_handover = config->start.omega_handover_rad_s /
                               (late * lode_max(config->motor.omega_rated_rad_s, FLT_MIN));
-    const float one = lode_max(sigma_by_speed(config), FLT_MIN);
-    const float need = sigma_by_run_up(config) / one;
+    const float by_speed = lode_max(sigma_by_speed(config), FLT_MIN);
+    const float need = sigma_by_run_up(config) / by_speed;
     const float late_times = lode_min(by_handover, (firm ? FIRM_NEED : LATE_NEED) * need);
-    const bool held = bears_more_sigma(config, config->motor.omega_rated_rad_s);
-    const float calm_times = lode_min(sigma_by_dead_time(config) / one, FIRM_NEED * need);
-    return lode_max(held ? lode_max(late_times, calm_times) : late_times, 1.0f);
+    const bool bears = bears_more_sigma(config, config->motor.omega_rated_rad_s);
+    const float calm_times = lode_min(sigma_by_dead_time(config) / by_speed, FIRM_NEED * need);
+    return lode_max(bears ? lode_max(late_times, calm_times) : late_times, 1.0f);
 }
 
 static float sigma_of_light_rotor(const lode_drive_config_t *config) {

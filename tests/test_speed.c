@@ -70,7 +70,7 @@ static void test_torque_is_pi_and_feed_forward(void) {
     }
 }
 
-/// (K47): two thirds of the speed are left or less; not where the rotor is too fast, nor below the lowest speed.
+/// (K47): where more than 30 % of the speed is gone; not where the rotor is too fast, nor below the lowest speed.
 static void test_a_deep_dip_has_more_gain(void) {
     lode_speed_config_t config = sound();
     config.load_feed_forward = LODE_NONE;
