@@ -68,7 +68,7 @@ static const refusal_t refusals[] = {
      "k2_rad_s 1 .. 1/Ts, k1_rad2_s2 0 .. 1e4 and at most k2_rad_s^2/10"},
     {LODE_ERROR_NOTCH, "estimator.notch_k estimator.notch12_k", NULL, "0 (none) or 0.01 .. 2"},
     {LODE_ERROR_EMF_PLL, "estimator.k2_rad_s estimator.sigma_rad_s", RATED,
-     "k2_rad_s at least 0.549 (fa-multi: 1.2) sigma_rad_s: else observer and PLL are unstable "
+     "k2_rad_s at least 0.549 (fa-multi: 0.6) sigma_rad_s: else observer and PLL are unstable "
      "together"},
     {LODE_ERROR_W_FILTER, "estimator.w_filter_rad_s", NULL, "0 (none) .. 1/Ts"},
     {LODE_ERROR_CHOICE,
