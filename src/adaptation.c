@@ -432,6 +432,7 @@ static void use_inertia(const lode_adaptation_machine_t *self, lode_drive_tuning
 #endif
     t->estimator.acc_per_torque /= J;
     t->estimator.acc_per_omega /= J;
+    t->estimator.acc_most /= J;
     t->estimator.load_per_f_Nm *= J;
 }
 

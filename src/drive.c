@@ -62,12 +62,6 @@ static bool wants_short(const lode_command_t *command) {
 #endif
 }
 
-// Largest mechanical speed that may be commanded: the estimator's omega_max or the guard's trip limit, whichever is lower.
-static float most_rad_s(const lode_drive_tuning_t *tuning) {
-    const float estimator = tuning->estimator.omega_limit / LODE_ALIAS_SHARE;
-    return lode_min(estimator, tuning->guard.omega_max) * tuning->speed.inv_pole_pairs;
-}
-
 lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *command) {
     if (self == NULL || command == NULL || self->tuning == NULL) {
         return LODE_ERROR_NULL;
@@ -85,7 +79,7 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
         return LODE_ERROR_COMMAND;
     }
     if (command->mode == LODE_MODE_RUN &&
-        lode_abs(command->speed_rad_s) > most_rad_s(self->tuning)) {
+        lode_abs(command->speed_rad_s) > lode_mode_most_rad_s(self->tuning)) {
         return LODE_ERROR_COMMAND_SPEED;
     }
     LODE_SHARED_STORE(self->command_posted, LODE_POST_NONE);
@@ -200,7 +194,8 @@ uint32_t lode_drive_limited(const lode_drive_t *self) {
     const lode_speed_t *speed = &self->state.run.speed;
     return (is_limited(speed) ? (uint32_t)LODE_LIMITED_TORQUE : 0u) |
            (is_raised(self) ? (uint32_t)LODE_LIMITED_RAISED : 0u) |
-           (is_held(self, speed) ? (uint32_t)LODE_LIMITED_HELD : 0u);
+           (is_held(self, speed) ? (uint32_t)LODE_LIMITED_HELD : 0u) |
+           (speed->calm < 1.0f ? (uint32_t)LODE_LIMITED_GAINS : 0u);
 }
 
 // Position error by EMF and by injection, and the weight of injection in the PLL.
@@ -234,6 +229,7 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
             .torque_limited = (limited & (uint32_t)LODE_LIMITED_TORQUE) != 0u,
             .speed_raised = (limited & (uint32_t)LODE_LIMITED_RAISED) != 0u,
             .speed_held = (limited & (uint32_t)LODE_LIMITED_HELD) != 0u,
+            .gains_halved = (limited & (uint32_t)LODE_LIMITED_GAINS) != 0u,
             .retries = lode_drive_retries(self),
             .trips = self->guard.trips,
             .signals_checked = lode_drive_knows(self, LODE_KNOWN_SIGNALS),

@@ -233,7 +233,7 @@ void lode_estimator_begin_at(lode_estimator_t *self, const lode_estimator_tuning
 
 #endif
 
-// Keeps the rotor's angle: another observer has another lag and droop, so its EMF is at another angle and of another size.
+// Keeps the rotor's angle: another observer, or another bandwidth, has another lag and droop, so its EMF is at another angle and of another size.
 static void change_observer(lode_estimator_t *self, const lode_estimator_tuning_t *before,
                             const lode_estimator_tuning_t *now) {
     const float omega = self->pll.omega_rad_s;
@@ -248,10 +248,21 @@ static void change_observer(lode_estimator_t *self, const lode_estimator_tuning_
     self->per_V = per_V_of(now, lode_ab_length2(self->emf.observer.e_V), omega);
 }
 
+static bool is_same_observer(const lode_observer_tuning_t *a, const lode_observer_tuning_t *b) {
+    bool same = a->kind == b->kind;
+    for (uint32_t n = 0u; n < sizeof a->own / sizeof a->own[0]; n++) {
+        same = same && lode_in_range(a->own[n], b->own[n], b->own[n]);
+    }
+    return same;
+}
+
 void lode_estimator_retune(lode_estimator_t *self, const lode_estimator_tuning_t *before,
                            const lode_estimator_tuning_t *now) {
     lode_estimator_forget_motion(self); // other gains and another inertia
-    if (now->emf.observer.kind != before->emf.observer.kind) {
+    if ((before->options & (uint32_t)LODE_ESTIMATOR_FILTERED) == 0u) {
+        self->omega_tune = self->pll.omega_rad_s; // was not kept up to date
+    }
+    if (!is_same_observer(&before->emf.observer, &now->emf.observer)) {
         change_observer(self, before, now);
     }
 #ifndef LODE_WITHOUT_HFI

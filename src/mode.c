@@ -230,19 +230,59 @@ void lode_mode_run_at_once(lode_drive_t *self) {
 
 #endif
 
-void lode_mode_retune(lode_drive_t *self, const lode_estimator_tuning_t *before) {
-    lode_estimator_retune(&self->estimator, before, &self->tuning->estimator);
-#ifndef LODE_WITHOUT_START_MEASUREMENT
-    const float more = self->tuning->inverter.dead_more_max;
-    self->inverter.dead_more = lode_clamp(self->inverter.dead_more, -more, more);
+float lode_mode_most_rad_s(const lode_drive_tuning_t *tuning) {
+    const float estimator = tuning->estimator.omega_limit / LODE_ALIAS_SHARE;
+    return lode_min(estimator, tuning->guard.omega_max) * tuning->speed.inv_pole_pairs;
+}
+
+// A speed that may no longer be commanded becomes the largest one.
+static void bound_command(lode_drive_t *self) {
+    const float most = lode_mode_most_rad_s(self->tuning);
+    if (self->command.mode == (uint_least8_t)LODE_MODE_RUN) {
+        self->command.speed_rad_s = lode_clamp(self->command.speed_rad_s, -most, most);
+        self->command.check = lode_mode_order_check(&self->command);
+    }
+}
+
+// What was measured beyond the configured values is less where these have come closer.
+static void keep_measured(lode_inverter_t *inverter, const lode_drive_tuning_t *before,
+                          const lode_drive_tuning_t *now) {
+#ifdef LODE_WITHOUT_START_MEASUREMENT
+    (void)inverter;
+    (void)before;
+    (void)now;
+#else
+    const float more = now->inverter.dead_more_max;
+    const float longer = now->inverter.dead_duty - before->inverter.dead_duty;
+    inverter->dead_more = lode_clamp(inverter->dead_more - longer, -more, more);
+    inverter->r_more_Ohm -= now->start.R_Ohm - before->start.R_Ohm;
 #endif
+}
+
+static void retune_run(lode_drive_t *self, const lode_drive_tuning_t *before) {
+    const lode_drive_tuning_t *now = self->tuning;
+    lode_running_t *run = &self->state.run;
+    const float most = now->estimator.omega_limit * now->speed.inv_pole_pairs;
+    run->speed.reference_rad_s = lode_clamp(run->speed.reference_rad_s, -most, most);
+    if (before->references.options == 0u) { // they were not kept up to date
+        lode_references_reset(&run->references, self->ref_A.d);
+    }
 #ifndef LODE_WITHOUT_SHAPED_RAMP
-    if (lode_mode(self) == LODE_MODE_RUN && !(self->tuning->speed.jerk_step > 0.0f)) {
+    if (!(now->speed.jerk_step > 0.0f)) {
         // Left over from a ramp whose jerk was limited.
-        self->state.run.speed.step_rad_s = 0.0f;
-        self->state.run.speed.left_rad_s = 0.0f;
+        run->speed.step_rad_s = 0.0f;
+        run->speed.left_rad_s = 0.0f;
     }
 #endif
+}
+
+void lode_mode_retune(lode_drive_t *self, const lode_drive_tuning_t *before) {
+    lode_estimator_retune(&self->estimator, &before->estimator, &self->tuning->estimator);
+    keep_measured(&self->inverter, before, self->tuning);
+    bound_command(self);
+    if (lode_mode(self) == LODE_MODE_RUN) {
+        retune_run(self, before);
+    }
 }
 
 // Clears a fault once: a later one stays while the same command lasts, as that is not OFF.
@@ -262,7 +302,7 @@ LODE_NOINLINE bool lode_mode_take_mail(lode_drive_t *self) {
     LODE_SHARED_STORE(self->mail, false);
     LODE_SIGNAL_FENCE();
     if (self->posted_tuning != NULL) {
-        const lode_estimator_tuning_t *before = &self->tuning->estimator;
+        const lode_drive_tuning_t *before = self->tuning;
         self->tuning = self->posted_tuning;
         lode_tuning_take_check(self);
         lode_mode_retune(self, before);

@@ -137,8 +137,11 @@ static inline bool lode_mode_memory_ok(lode_drive_t *self, lode_words_t tuning) 
            lode_tuning_watch_word(self, tuning);
 }
 
-// After a change of the tuning: adapts the states that would not fit it. `before`: the estimator's previous tuning.
-void lode_mode_retune(lode_drive_t *self, const lode_estimator_tuning_t *before);
+// Largest mechanical speed that may be commanded: the estimator's omega_max or the guard's trip limit, whichever is lower.
+float lode_mode_most_rad_s(const lode_drive_tuning_t *tuning);
+
+// After a change of the tuning: adapts the states that would not fit it. `before`: the previous tuning.
+void lode_mode_retune(lode_drive_t *self, const lode_drive_tuning_t *before);
 
 // Takes over what was posted, at the start of a period. True: a fault was cleared, by an OFF that the command has replaced.
 bool lode_mode_take_mail(lode_drive_t *self);

@@ -48,6 +48,12 @@ static const light_t four_times = {0.75f, 4.9f};
 // (K47): three times the gain in all, with which a rotor twice lighter than configured is still stable.
 #define DIP_GAIN 2.0f
 #define DIP_GAIN_MAX 10.0f
+// (K48): half-waves of a swing, the slowest one over half a period of sigma at low speed, and their amplitude over the rated torque.
+#define SWINGS 16
+#define SWING_TIMES 1.5f
+#define SWING_SHARE 0.03f
+#define SWING_MAX_Nm 1.0e6f
+#define SWING_CALLS_MAX 65535.0f
 // Where the PLL is this much faster than the rotor, the estimated load is mostly noise.
 #define SIGMA_RUN_UP_NOISY 78.0f
 
@@ -179,6 +185,8 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     const float room = BANDWIDTH_PER_SIGMA_MAX * sigma_low * J / lode_max(config->kp_Nms, FLT_MIN);
     const float dip_gain = injects ? LODE_NONE : lode_min(DIP_GAIN, room - 1.0f);
     config->dip_gain = lode_given_or(config->dip_gain, dip_gain > 0.0f ? dip_gain : LODE_NONE);
+    const float rated_Nm = RATED_LOAD * inverter->i_max_A * lode_motor_kt_Nm_A(motor);
+    config->swing_Nm = lode_given_or(config->swing_Nm, SWING_SHARE * rated_Nm);
     const float ramp_share =
         lode_min(RAMP_TORQUE_SHARE, RAMP_BANDWIDTH_SHARE * config->bandwidth_rad_s * run_up_s);
     config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, ramp_share * inverter->i_max_A *
@@ -220,7 +228,8 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
     if (!lode_in_range(config->kp_Nms, 1.0e-9f, 1.0e6f) ||
         !lode_in_range(config->ki_Nm, 0.0f, 1.0e6f) ||
         !lode_in_range(config->gain_rise, 1.0f, RISE_MAX) ||
-        !lode_is_none_or_in(config->dip_gain, 0.0f, DIP_GAIN_MAX)) {
+        !lode_is_none_or_in(config->dip_gain, 0.0f, DIP_GAIN_MAX) ||
+        !lode_is_none_or_in(config->swing_Nm, 0.0f, SWING_MAX_Nm)) {
         return LODE_ERROR_SPEED_GAINS;
     }
     if (!lode_in_range(config->bandwidth_rad_s, 1.0e-3f, 1.0e5f) ||
@@ -240,6 +249,7 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
         return LODE_ERROR_CHOICE;
     }
     const float fed = lode_max(config->load_feed_forward, 0.0f);
+    const float swing_calls = SWING_TIMES * LODE_PI / (pll->sigma_low_rad_s * ts_s);
     *tuning = (lode_speed_tuning_t){
         .pi = {config->kp_Nms, config->ki_Nm * ts_s},
         .rise = config->gain_rise - 1.0f,
@@ -248,6 +258,8 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
         .inv_pole_pairs = 1.0f / motor->pole_pairs,
         .ramp_step = config->ramp_rad_s2 * ts_s,
         .dip_gain = lode_max(config->dip_gain, 0.0f),
+        .swing_Nm = config->swing_Nm > 0.0f ? config->swing_Nm : FLT_MAX,
+        .swing_calls = lode_clamp(swing_calls, 1.0f, SWING_CALLS_MAX),
         .dip_least = config->omega_min_rad_s / motor->pole_pairs,
         .load_feed_forward = fed,
         .load_fall = fed * (1.0f - left_at_speed(pll)),
@@ -278,6 +290,10 @@ void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, flo
     lode_pi_reset(&self->pi, torque_Nm - fed * load_Nm);
     set_reference(self, omega_rad_s);
     self->torque_Nm = torque_Nm;
+    self->calm = 1.0f;
+    self->swing_age = 0;
+    self->swings = 0;
+    self->swung_up = false;
     self->limit_Nm = (lode_range_t){-most_Nm, most_Nm};
 }
 
@@ -336,8 +352,20 @@ LODE_NOINLINE float lode_speed_dip_Nm(const lode_speed_t *self, const lode_speed
                                       float gain, float error) {
     const float reference = self->reference_rad_s;
     const float lacking = error - LODE_SPEED_DIP_SHARE * gain * reference;
-    return lode_abs(reference) >= tuning->dip_least ? tuning->dip_gain * tuning->pi.kp * lacking
-                                                    : 0.0f;
+    const float more =
+        (1.0f + tuning->dip_gain) / self->calm - 1.0f; // gains that are halved are whole again
+    return lode_abs(reference) >= tuning->dip_least ? more * tuning->pi.kp * lacking : 0.0f;
+}
+
+// Not LODE_RAMFUNC: rare.
+LODE_NOINLINE void lode_speed_count_swing(lode_speed_t *self) {
+    self->swung_up = !self->swung_up;
+    self->swing_age = 0;
+    self->swings++;
+    if (self->swings >= SWINGS) {
+        self->swings = 0;
+        self->calm = LODE_SPEED_CALM;
+    }
 }
 
 #ifndef LODE_WITHOUT_TORQUE_CONTROL
@@ -350,10 +378,15 @@ typedef struct {
 
 // Torque of speed control at an end of the range: with its integral if it holds that end already, else with the load in the
 // integral's place (K13).
-static float torque_at(const lode_speed_t *self, const lode_speed_tuning_t *tuning, float error,
-                       load_t load, bool holds) {
-    return holds ? lode_pi_output(&self->pi, &tuning->pi, error, load.fed_Nm)
-                 : tuning->pi.kp * error + load.all_Nm;
+static float torque_at(const lode_speed_t *self, const lode_speed_tuning_t *tuning, float gain,
+                       float error, load_t load, bool holds) {
+    if (!holds) {
+        return tuning->pi.kp * error + load.all_Nm;
+    }
+    const float torque = lode_pi_output(&self->pi, &tuning->pi, error, load.fed_Nm);
+    return lode_speed_dips(self, gain, error)
+               ? torque + lode_speed_dip_Nm(self, tuning, gain, error)
+               : torque;
 }
 
 // Not LODE_RAMFUNC: once in a round.
@@ -361,7 +394,7 @@ LODE_NOINLINE float lode_speed_torque_target(lode_speed_t *self, const lode_spee
                                              float torque_Nm, lode_range_t between_rad_s,
                                              float omega_rad_s, float load_Nm) {
     const float speed = omega_rad_s * tuning->inv_pole_pairs;
-    const float gain = lode_speed_gain(tuning, omega_rad_s);
+    const float gain = self->calm * lode_speed_gain(tuning, omega_rad_s);
     const load_t load = {load_Nm, lode_speed_fed(tuning, omega_rad_s) * load_Nm};
     const float torque = lode_clamp(torque_Nm, self->limit_Nm.min, self->limit_Nm.max);
     const bool at_most = !(self->reference_rad_s < between_rad_s.max);
@@ -369,12 +402,12 @@ LODE_NOINLINE float lode_speed_torque_target(lode_speed_t *self, const lode_spee
     float target = speed; // the present speed, at this torque
     float held_Nm = torque;
     bool holds = false;
-    if (torque > torque_at(self, tuning, gain * (between_rad_s.max - speed), load, at_most)) {
+    if (torque > torque_at(self, tuning, gain, gain * (between_rad_s.max - speed), load, at_most)) {
         target = between_rad_s.max;
         held_Nm = load_Nm;
         holds = at_most;
     } else if (torque <
-               torque_at(self, tuning, gain * (between_rad_s.min - speed), load, at_least)) {
+               torque_at(self, tuning, gain, gain * (between_rad_s.min - speed), load, at_least)) {
         target = between_rad_s.min;
         held_Nm = load_Nm;
         holds = at_least;

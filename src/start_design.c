@@ -348,6 +348,7 @@ static void tune_measurement(lode_start_tuning_t *tuning, const lode_start_confi
     const float dead_V = lost_V(inverter, DEAD_TIME_DEVIATION_s, 0.0f, ts_s);
     tuning->dwell_rounds =
         config->measure == LODE_ON ? (uint_least16_t)rounds_in(DWELL_TIME_s, ts_s) : 0u;
+    tuning->R_Ohm = motor->Rs_Ohm + inverter->r_on_Ohm;
     tuning->calm_V = calm_V;
     tuning->r_known = weight_known(calm_V, r_V);
     tuning->dead_known = weight_known(calm_V, dead_V);

@@ -285,6 +285,8 @@ static void test_inertia_changes_speed_control_and_feed_forward_only(void) {
                              now.estimator.acc_per_torque / base->estimator.acc_per_torque);
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4f, 1.0f / used,
                              now.estimator.acc_per_omega / base->estimator.acc_per_omega);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4f, 1.0f / used,
+                             now.estimator.acc_most / base->estimator.acc_most);
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4f, used,
                              now.estimator.load_per_f_Nm / base->estimator.load_per_f_Nm);
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4f, 1.0f / used, now.speed.ramp_step / base->speed.ramp_step);
@@ -299,6 +301,7 @@ static void test_inertia_changes_speed_control_and_feed_forward_only(void) {
     now.speed = base->speed;
     now.estimator.acc_per_torque = base->estimator.acc_per_torque;
     now.estimator.acc_per_omega = base->estimator.acc_per_omega;
+    now.estimator.acc_most = base->estimator.acc_most;
     now.estimator.load_per_f_Nm = base->estimator.load_per_f_Nm;
     now.estimator.emf.a_over_b = base->estimator.emf.a_over_b;
     now.references = base->references;

@@ -40,7 +40,7 @@ static void fields_of(const lode_telemetry_t *t, float value[LODE_CHANNEL_COUNT]
                             (float)t->fault.criterion,
                             (float)t->signals_checked,
                             (t->torque_limited ? 1.0f : 0.0f) + (t->speed_raised ? 2.0f : 0.0f) +
-                                (t->speed_held ? 4.0f : 0.0f)};
+                                (t->speed_held ? 4.0f : 0.0f) + (t->gains_halved ? 8.0f : 0.0f)};
     TEST_ASSERT_EQUAL_INT(LODE_CHANNEL_COUNT, COUNT_OF(fields));
     memcpy(value, fields, sizeof fields);
 }

@@ -467,6 +467,125 @@ static void test_another_observer_goes_on_with_the_rotor(void) {
     }
 }
 
+static void goes_on_with(rig_t rig, const lode_drive_config_t *config) {
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, config));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+    double worst = 0.0;
+    for (int n = 0; n < 1000; n++) {
+        rig_step(&rig);
+        worst = fmax(worst, fabs(rig.angle_error));
+    }
+    check_running(&rig, 157.0);
+    CHECK_AT_MOST(1.5 * CHECK_DEG, worst);
+}
+
+/// The same observer with another lag, or tuned by a filtered speed, which nothing has kept up to date.
+static void test_the_same_observer_with_other_parameters_goes_on_with_the_rotor(void) {
+    for (int kind = 0; kind < (int)LODE_EMF_KINDS; kind++) {
+        lode_drive_config_t config = rig_config();
+        config.estimator.emf.kind = (lode_emf_kind_t)kind;
+        rig_t rig;
+        rig_init(&rig, &tuning, &config);
+        run_up(&rig, 157.0, 8.0);
+        rig.load_Nm = 3.0;
+        rig_run(&rig, 2.0);
+        lode_drive_config_t slower = config;
+        lode_drive_design(&slower);
+        slower.estimator.emf.w0_rad_s *= 0.7f;
+        slower.estimator.emf.gi_kappa *= 2.0f;
+        goes_on_with(rig, &slower);
+        config.estimator.w_filter_rad_s = 50.0f;
+        goes_on_with(rig, &config);
+        config.estimator.emf.kind = (lode_emf_kind_t)((kind + 1) % (int)LODE_EMF_KINDS);
+        goes_on_with(rig, &config);
+    }
+}
+
+/// What the start has measured beyond the configured resistance and dead time is less beyond larger ones.
+static void test_what_was_measured_counts_from_the_new_tuning(void) {
+    rig_t rig = running(90.0, 8.0);
+    lode_inverter_t *inverter = &rig.drive.inverter;
+    inverter->r_more_Ohm = 0.3f;
+    inverter->dead_more = 2.0e-3f;
+    lode_drive_config_t config = rig_config();
+    config.motor.Rs_Ohm += 0.2f;
+    config.inverter.r_on_Ohm += 0.05f;
+    config.inverter.dead_time_s += 0.5e-6f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+    const float longer = other_tuning.inverter.dead_duty - tuning.inverter.dead_duty;
+    CHECK_AT_LEAST(1.0e-4, (double)longer);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+    rig_step(&rig);
+    CHECK_NEAR(1.0e-6, 0.05, inverter->r_more_Ohm);
+    CHECK_NEAR(1.0e-7, 2.0e-3 - (double)longer, inverter->dead_more);
+    // not beyond one that the adaptation has posted
+    lode_drive_tuning_t adapted = other_tuning;
+    adapted.estimator.emf.a_over_b -= 0.1f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &adapted));
+    rig_step(&rig);
+    CHECK_NEAR(1.0e-6, 0.05, inverter->r_more_Ohm);
+}
+
+/// A command that a new tuning would refuse becomes the largest one that it accepts.
+static void test_a_command_beyond_a_new_limit_is_bounded(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        rig_t rig = running(80.0 * sign, 8.0);
+        rig_command(&rig, run_at(157.0 * sign));
+        rig_step(&rig);
+        lode_drive_config_t config = rig_config();
+        config.guard.omega_max_rad_s = 400.0f;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+        rig_step(&rig);
+        CHECK_CLOSE(1.0e-6, sign * 400.0 / 3.0, rig.drive.command.speed_rad_s);
+        rig_run(&rig, 0.5);
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig.drive.guard.fault.check);
+    }
+}
+
+/// The cause that is named is the rotor, which is too fast, or cannot be followed, and not the memory.
+static void test_a_rotor_beyond_a_new_limit(void) {
+    rig_t rig = running(157.0, 8.0);
+    rig_run(&rig, 2.0);
+    check_running(&rig, 157.0);
+    for (int n = 0; n < 2; n++) {
+        rig_t fast = rig;
+        lode_drive_config_t config = rig_config();
+        config.guard.omega_max_rad_s = 230.0f;
+        config.estimator.omega_max_rad_s = n == 0 ? 0.0f : 230.0f; // follows up to twice that
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&fast.drive, &other_tuning));
+        rig_run(&fast, 0.02);
+        TEST_ASSERT_EQUAL_STRING(n == 0 ? "LODE_CHECK_OVER_SPEED" : "LODE_CHECK_LOST_LOCK",
+                                 lode_check_name((lode_check_t)fast.drive.guard.fault.check));
+    }
+}
+
+/// id, which nothing follows without MTPA or field weakening, is not the start's.
+static void test_optimal_references_begin_with_the_present_current(void) {
+    rig_t rig = running(90.0, 8.0);
+    rig.load_Nm = 3.0;
+    rig_run(&rig, 1.0);
+    lode_drive_config_t config = rig_config();
+    config.references.kind = LODE_REFERENCES_MTPA;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+    for (int n = 0; n < (int)LODE_SLOW_PERIODS; n++) {
+        rig_t next = rig;
+        for (int k = 0; k < n; k++) {
+            rig_step(&next);
+        }
+        const double before_A = (double)next.drive.ref_A.d;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&next.drive, &other_tuning));
+        for (int k = 0; k < 2 * (int)LODE_SLOW_PERIODS; k++) {
+            rig_step(&next);
+            CHECK_AT_MOST(before_A + 0.01, (double)next.drive.ref_A.d);
+        }
+        rig_run(&next, 1.0);
+        check_running(&next, 90.0);
+        CHECK_AT_MOST(-0.5, (double)next.drive.ref_A.d);
+    }
+}
+
 /// What a ramp with a limit of the jerk was doing is over when a tuning without one comes.
 static void test_a_ramp_without_jerk_leaves_none(void) {
     lode_drive_config_t config = rig_config();
@@ -1125,6 +1244,11 @@ int main(void) {
     RUN_TEST(test_the_same_tuning_changes_nothing);
     RUN_TEST(test_a_new_tuning_is_taken_at_a_period);
     RUN_TEST(test_another_observer_goes_on_with_the_rotor);
+    RUN_TEST(test_the_same_observer_with_other_parameters_goes_on_with_the_rotor);
+    RUN_TEST(test_what_was_measured_counts_from_the_new_tuning);
+    RUN_TEST(test_a_command_beyond_a_new_limit_is_bounded);
+    RUN_TEST(test_a_rotor_beyond_a_new_limit);
+    RUN_TEST(test_optimal_references_begin_with_the_present_current);
     RUN_TEST(test_a_ramp_without_jerk_leaves_none);
     RUN_TEST(test_a_drive_that_has_not_begun);
     RUN_TEST(test_an_estimate_of_nothing_is_not_taken_over);

@@ -775,6 +775,35 @@ static void test_what_goes_on_goes_by_its_own_set(void) {
     }
 }
 
+/// Its observer may be slower: the angle does not jump by the difference of the lags, 15 degrees here.
+static void test_the_set_that_is_left_may_have_another_observer(void) {
+    lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
+    rig6_t sound = turning(&config, 600.0, LOAD_Nm);
+    other_tuning = tuning;
+    lode_drive6_design(&config);
+    config.drive.estimator.emf.w0_rad_s *= 0.5f;
+    config.drive.estimator.pll.sigma_rad_s = config.drive.estimator.pll.sigma_low_rad_s *= 0.5f;
+    lode_drive6_tuning_t slower;
+    TEST_ASSERT_EQUAL_STRING("LODE_OK", lode_status_name(lode_drive6_tune(&slower, &config)));
+    other_tuning.alone.estimator = slower.alone.estimator;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_post_tuning(&sound.drive, &other_tuning));
+    for (int phase = 1; phase <= 6; phase++) {
+        rig6_t rig = sound;
+        rig.open = phase;
+        double before;
+        do {
+            before = rig.angle_error;
+            rig6_step(&rig);
+        } while (rig6_telemetry(&rig).open == 0u);
+        double most = 0.0;
+        for (uint32_t n = 0; n < 2u * LODE_SLOW_PERIODS; n++) {
+            most = fmax(most, fabs(rig.angle_error - before));
+            rig6_step(&rig);
+        }
+        CHECK_AT_MOST(1.5 * CHECK_DEG, most);
+    }
+}
+
 /// One set may have the higher base speed, and then its speed control another rate.
 static void test_the_set_that_is_left_may_have_another_rate_of_speed_control(void) {
     const lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
@@ -1736,6 +1765,7 @@ int main(void) {
     RUN_TEST(test_the_other_set_drives_on);
     RUN_TEST(test_a_dead_switch_ends_a_start);
     RUN_TEST(test_what_goes_on_goes_by_its_own_set);
+    RUN_TEST(test_the_set_that_is_left_may_have_another_observer);
     RUN_TEST(test_the_set_that_is_left_may_have_another_rate_of_speed_control);
     RUN_TEST(test_a_source_that_opens_is_left);
     RUN_TEST(test_sensors_of_the_source_that_freeze_are_found);

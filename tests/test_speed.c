@@ -27,6 +27,7 @@ static lode_speed_config_t sound(void) {
                                  .ramp_rad_s2 = 200.0f,
                                  .inertia_feed_forward = LODE_NONE,
                                  .dip_gain = LODE_NONE,
+                                 .swing_Nm = LODE_NONE,
                                  .load_feed_forward = 0.5f,
                                  .every_period = LODE_OFF,
                                  .omega_min_rad_s = 47.0f};
@@ -117,6 +118,94 @@ static void test_a_deep_dip_leaves_the_integral_alone(void) {
     TEST_ASSERT_EQUAL_FLOAT(2.0f, integral[1]);
 }
 
+// Corrections of +-`torque_Nm` in turn, each for `calls`.
+static void swing(lode_speed_t *speed, const lode_speed_tuning_t *tuning, double torque_Nm,
+                  int calls, int half_waves) {
+    for (int n = 0; n < half_waves * calls; n++) {
+        const double error = (n / calls % 2 == 0 ? 1.0 : -1.0) * torque_Nm / 0.8;
+        (void)lode_speed_step(speed, tuning, 50.0f, 3.0f * (float)(50.0 - error), 0.0f);
+    }
+}
+
+// Half a period of sigma at low speed, 100 rad/s, in calls.
+#define HALF_WAVE_CALLS (CHECK_PI / (100.0 * (double)PAPER_TS_s))
+
+static lode_speed_config_t watched(void) {
+    lode_speed_config_t config = sound();
+    config.load_feed_forward = LODE_NONE;
+    config.swing_Nm = 0.5f;
+    return config;
+}
+
+/// (K48)
+static void test_a_swing_halves_the_gains(void) {
+    const lode_speed_config_t config = watched();
+    const lode_speed_tuning_t tuning = tuned(&config);
+    CHECK_CLOSE(1.0e-6, 1.5 * HALF_WAVE_CALLS, tuning.swing_calls);
+    const int longest = (int)ceil(1.5 * HALF_WAVE_CALLS) + 1;
+    const struct {
+        double torque_Nm;
+        int calls, half_waves;
+        double gain;
+    } cases[] = {
+        {0.51, longest, 15, 1.0}, {0.51, longest, 16, 0.5},     {0.51, 1, 16, 0.5},
+        {0.51, 40, 60, 0.5},      {0.51, longest + 1, 60, 1.0}, {0.49, 40, 60, 1.0},
+        {50.0, 1000, 30, 1.0}, // of loads
+    };
+    for (int n = 0; n < COUNT_OF(cases); n++) {
+        lode_speed_t speed;
+        lode_speed_reset(&speed, &tuning, 50.0f, 0.0f, 0.0f, 1.0e4f);
+        swing(&speed, &tuning, cases[n].torque_Nm, cases[n].calls, cases[n].half_waves);
+        const double integral = (double)speed.pi.integral;
+        CHECK_NEAR(1.0e-4, integral + cases[n].gain * 0.8 * 3.0,
+                   lode_speed_step(&speed, &tuning, 50.0f, 3.0f * 47.0f, 0.0f));
+        CHECK_NEAR(1.0e-4, cases[n].gain * 6.0 * 3.0 * PAPER_TS_s,
+                   (double)speed.pi.integral - integral);
+        lode_speed_reset(&speed, &tuning, 50.0f, 0.0f, 0.0f, 1.0e4f); // the next start
+        CHECK_NEAR(1.0e-4, 0.8 * 3.0, lode_speed_step(&speed, &tuning, 50.0f, 3.0f * 47.0f, 0.0f));
+    }
+}
+
+/// A swing that pauses begins anew.
+static void test_half_waves_of_two_swings_do_not_add(void) {
+    const lode_speed_config_t config = watched();
+    const lode_speed_tuning_t tuning = tuned(&config);
+    lode_speed_t speed;
+    lode_speed_reset(&speed, &tuning, 50.0f, 0.0f, 0.0f, 1.0e4f);
+    for (int n = 0; n < 10; n++) {
+        swing(&speed, &tuning, 1.0, 40, 14);
+        swing(&speed, &tuning, 0.0, (int)ceil(1.5 * HALF_WAVE_CALLS) + 2, 1);
+    }
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, speed.calm);
+    swing(&speed, &tuning, 1.0, 40, 16);
+    TEST_ASSERT_EQUAL_FLOAT(LODE_SPEED_CALM, speed.calm);
+}
+
+/// (K48): the ramp's torque is halved with the gains, that of a deep dip is not.
+static void test_what_halved_gains_leave(void) {
+    lode_speed_config_t config = watched();
+    config.inertia_feed_forward = 1.0f;
+    config.dip_gain = 2.0f;
+    const lode_speed_tuning_t tuning = tuned(&config);
+    lode_speed_t speed[2];
+    for (int n = 0; n < 2; n++) {
+        lode_speed_reset(&speed[n], &tuning, 50.0f, 0.0f, 0.0f, 1.0e4f);
+        speed[n].calm = n == 0 ? 1.0f : LODE_SPEED_CALM;
+    }
+    // 0.04 rad/s per call
+    CHECK_NEAR(1.0e-4, 0.8 * 0.04 + 0.0174 * 200.0,
+               lode_speed_step(&speed[0], &tuning, 80.0f, 150.0f, 0.0f));
+    CHECK_NEAR(1.0e-4, 0.5 * (0.8 * 0.04 + 0.0174 * 200.0),
+               lode_speed_step(&speed[1], &tuning, 80.0f, 150.0f, 0.0f));
+    // at the border of a dip half of the torque, beyond it the same slope
+    for (int n = 0; n < 2; n++) {
+        lode_speed_reset(&speed[n], &tuning, 50.0f, 0.0f, 0.0f, 1.0e4f);
+        speed[n].calm = n == 0 ? 1.0f : LODE_SPEED_CALM;
+        CHECK_NEAR(2.0e-3, (n == 0 ? 1.0 : 0.5) * 0.8 * 15.0 + 0.8 * 3.0 * 10.0,
+                   lode_speed_step(&speed[n], &tuning, 50.0f, 3.0f * 25.0f, 0.0f));
+    }
+}
+
 /// (K46): all of the share at low speed, and with the full sigma as much less as keeps its part in the loop.
 static void test_less_of_a_load_is_fed_forward_at_speed(void) {
     const lode_speed_config_t config = sound();
@@ -170,6 +259,22 @@ static void test_torque_is_followed_between_two_speeds(void) {
     // Until the torque points inwards again.
     CHECK_NEAR(1.0e-5, 3.0, torque_control(&speed, &tuning, 3.0f, 54.0f, -0.4f));
     TEST_ASSERT_EQUAL_FLOAT(18.0f, speed.reference_rad_s);
+}
+
+/// An end of the range that is held takes no more than the commanded torque with (K47) either.
+static void test_a_dip_does_not_exceed_the_commanded_torque(void) {
+    lode_speed_config_t config = sound();
+    config.dip_gain = 2.0f;
+    const lode_speed_tuning_t tuning = tuned(&config);
+    for (int n = 0; n < 2; n++) {
+        lode_speed_t speed;
+        lode_speed_reset(&speed, &tuning, 80.0f, -20.0f, 0.0f, 100.0f);
+        // (80 - 50) 0.8 - 20 = 4 from the PI, and 0.8 times 2 times 6 from the dip
+        const float commanded = n == 0 ? 5.0f : 15.0f;
+        CHECK_NEAR(1.0e-4, n == 0 ? 5.0 : 13.6,
+                   torque_control(&speed, &tuning, commanded, 150.0f, 0.0f));
+        TEST_ASSERT_EQUAL_FLOAT(n == 0 ? 50.0f : 80.0f, speed.reference_rad_s);
+    }
 }
 
 /// (K13): with the load known, either end is overrun by less than a sixth of the 6 rad/s of (K15); the same torque where it is met.
@@ -343,6 +448,22 @@ static void test_range_of_the_gain_in_a_dip(void) {
     for (int i = 0; i < COUNT_OF(wrong); i++) {
         TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_GAINS, try_one(dip_gain, wrong[i]));
     }
+}
+
+static void test_range_of_the_swing(void) {
+    const size_t swing_Nm = offsetof(lode_speed_config_t, swing_Nm);
+    const float sizes[] = {LODE_NONE, 1.0e-6f, 0.5f, 1.0e6f};
+    const float wrong[] = {1.0001e6f, -1.00001f, -0.1f, NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < COUNT_OF(sizes); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(swing_Nm, sizes[i]));
+    }
+    for (int i = 0; i < COUNT_OF(wrong); i++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_SPEED_GAINS, try_one(swing_Nm, wrong[i]));
+    }
+    lode_speed_config_t config = sound();
+    TEST_ASSERT_EQUAL_FLOAT(FLT_MAX, tuned(&config).swing_Nm);
+    config.swing_Nm = 0.5f;
+    TEST_ASSERT_EQUAL_FLOAT(0.5f, tuned(&config).swing_Nm);
 }
 
 static void test_shares_of_the_feed_forwards(void) {
@@ -555,6 +676,7 @@ static void test_design_fills_what_is_open(void) {
     TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, config.load_feed_forward);
     CHECK_CLOSE(1.0e-6, 1.0, config.inertia_feed_forward);
     CHECK_CLOSE(1.0e-6, 60.0, config.omega_min_rad_s);
+    CHECK_CLOSE(1.0e-6, 0.03 * TORQUE_MAX / 1.5, config.swing_Nm);
     const lode_speed_config_t all = sound();
     const lode_speed_config_t kept = designed((with_t){.config = all, .omega_min = 30.0});
     TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);
@@ -1111,6 +1233,7 @@ int main(void) {
     RUN_TEST(test_torque_is_pi_and_feed_forward);
     RUN_TEST(test_less_of_a_load_is_fed_forward_at_speed);
     RUN_TEST(test_torque_is_followed_between_two_speeds);
+    RUN_TEST(test_a_dip_does_not_exceed_the_commanded_torque);
     RUN_TEST(test_an_end_of_the_range_is_not_overrun);
     RUN_TEST(test_reset_is_bumpless);
     RUN_TEST(test_torque_is_limited_by_the_current);
@@ -1122,6 +1245,10 @@ int main(void) {
     RUN_TEST(test_a_deep_dip_has_more_gain);
     RUN_TEST(test_a_deep_dip_leaves_the_integral_alone);
     RUN_TEST(test_range_of_the_gain_in_a_dip);
+    RUN_TEST(test_a_swing_halves_the_gains);
+    RUN_TEST(test_half_waves_of_two_swings_do_not_add);
+    RUN_TEST(test_what_halved_gains_leave);
+    RUN_TEST(test_range_of_the_swing);
     RUN_TEST(test_design_of_the_gain_in_a_dip);
     RUN_TEST(test_shares_of_the_feed_forwards);
     RUN_TEST(test_gains_rise_with_the_pll);

@@ -320,11 +320,12 @@ static inline uint_least8_t lode_drive_retries(const lode_drive_t *self) {
 #endif
 }
 
-/// Bits of lode_drive_limited(): why torque or speed are not the commanded ones.
+/// Bits of lode_drive_limited(): why torque or speed are not the commanded ones, or reach them late.
 enum {
     LODE_LIMITED_TORQUE = 1, ///< lode_telemetry_t.torque_limited
     LODE_LIMITED_RAISED = 2, ///< lode_telemetry_t.speed_raised
-    LODE_LIMITED_HELD = 4    ///< lode_telemetry_t.speed_held
+    LODE_LIMITED_HELD = 4,   ///< lode_telemetry_t.speed_held
+    LODE_LIMITED_GAINS = 8   ///< lode_telemetry_t.gains_halved
 };
 
 /// 0: RUN does what is commanded, or the mode is another one. From the interrupt after lode_drive_step().
@@ -346,6 +347,9 @@ typedef struct {
     bool speed_raised;
     /// RUN with torque control: a speed is held, the least one or the commanded limit, and not the commanded torque
     bool speed_held;
+    /// RUN: speed control has swung, and has half of its gains until the next start (K48): the inertia may be less than
+    /// configured
+    bool gains_halved;
     /// failed attempts of the present start, or of the last one: up to 2, and 3 while the last attempt is repeated.
     /// With injection also the number of times the rotor was searched for again, up to 3. 0 with
     /// LODE_WITHOUT_HANDOVER_RETRY
@@ -423,8 +427,10 @@ lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_sample_t *sample,
 /// `clear_fault` is set with a mode other than OFF; COMMAND_SPEED.
 lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *command);
 
-/// Posts a tuning from lode_drive_tune() for the next control period. All states continue. A different EMF observer
-/// starts from the present EMF; injection ends if the new tuning has none. With six phases use only
+/// Posts a tuning from lode_drive_tune() for the next control period. All states continue. An EMF observer of
+/// another kind or bandwidth starts from the present EMF; injection ends if the new tuning has none. What a start has
+/// measured beyond resistance and dead time is taken as beyond the new ones; a commanded speed beyond the new limits
+/// becomes the largest allowed one. With six phases use only
 /// lode_drive6_post_tuning(). The old tuning is free once lode_drive_tuning_taken() returns true. Cost: two passes
 /// over some 150 words. Errors, with which nothing is posted: NULL; TUNING, a value is not finite.
 lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning_t *tuning);

@@ -17,6 +17,9 @@ extern "C" {
 /// Share of the reference that a load takes before dip_gain acts (K47).
 #define LODE_SPEED_DIP_SHARE 0.3f
 
+/// Factor of both gains, until the next start, once speed control has swung (K48).
+#define LODE_SPEED_CALM 0.5f
+
 /// Configuration of speed control. Speeds are MECHANICAL unless they are called electrical.
 typedef struct {
     float kp_Nms; ///< torque per rad/s; 0: from the bandwidth
@@ -39,6 +42,9 @@ typedef struct {
     /// gain beyond kp_Nms, over kp_Nms, where a load has taken more than LODE_SPEED_DIP_SHARE of the speed (K47), 0 .. 10;
     /// 0: 2, or less for a bandwidth of sigma at low speed in all, and none with injection; LODE_NONE: none
     float dip_gain;
+    /// amplitude of torque with which the correction of the speed swings until both gains are halved (K48);
+    /// 0: 3 % of the torque at i_max/1.5; LODE_NONE: never
+    float swing_Nm;
     /// lowest ELECTRICAL speed that is held without an angle sensor; 0: hand-over speed
     float omega_min_rad_s;
     lode_choice_t
@@ -58,8 +64,10 @@ typedef struct {
     float
         jerk_step; ///< largest change of the step, per call; 0: no limit, and ramp_down_step is not used
 #endif
-    float dip_gain;  ///< on the error by which a load has slowed the rotor, over pi.kp (K47)
-    float dip_least; ///< smallest reference with it, mechanical rad/s
+    float dip_gain;    ///< on the error by which a load has slowed the rotor, over pi.kp (K47)
+    float dip_least;   ///< smallest reference with it, mechanical rad/s
+    float swing_Nm;    ///< amplitude of a half-wave (K48)
+    float swing_calls; ///< most calls between two half-waves of a swing
     float load_feed_forward; ///< share up to half of that electrical speed
     float load_fall;         ///< what is missing of it from that speed on (K46)
     float inertia_Nm;        ///< torque per mechanical rad/s of a step of the reference
@@ -73,8 +81,12 @@ typedef struct {
     float step_rad_s; ///< last step of a ramp with jerk_step
     float left_rad_s; ///< part of the sum of the steps that was lost to rounding (K35)
 #endif
-    float torque_Nm;       ///< torque reference
-    lode_range_t limit_Nm; ///< limits of the torque reference; kept up to date by the drive
+    float torque_Nm; ///< torque reference
+    float calm;      ///< factor of both gains: 1, or LODE_SPEED_CALM since they swung (K48)
+    uint_least16_t swing_age; ///< calls since the last half-wave, at most swing_calls
+    uint_least8_t swings;     ///< half-waves of the present swing
+    bool swung_up;            ///< the last one was positive
+    lode_range_t limit_Nm;    ///< limits of the torque reference; kept up to date by the drive
 } lode_speed_t;
 
 /// The rest of the loop that speed control closes (K22).

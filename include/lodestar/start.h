@@ -85,6 +85,7 @@ typedef struct {
     float omega_most; ///< upper limit of that speed, rad/s
 #endif
 #ifndef LODE_WITHOUT_START_MEASUREMENT
+    float R_Ohm;  ///< configured resistance of winding and switch, which adaptation leaves alone
     float calm_V; ///< EMF across the vector below which the rotor counts as at rest
     /// how well resistance and dead time are known without a measurement (S33): calm_V over the standard deviation of
     /// their voltages at the start current, squared

@@ -59,7 +59,7 @@ typedef enum {
     LODE_ERROR_CURRENT_BANDWIDTH, ///< current bandwidth outside 1 .. 0.4/Ts
     LODE_ERROR_CURRENT_GAINS,     ///< current gains out of range, or unstable with the motor's L
     LODE_ERROR_CURRENT_VOLTAGE,   ///< current.voltage_use outside 0.1 .. 1.1547
-    LODE_ERROR_SPEED_GAINS, ///< kp outside 1e-9 .. 1e6, ki outside 0 .. 1e6, gain_rise outside 1 .. 10, or dip_gain outside 0 .. 10
+    LODE_ERROR_SPEED_GAINS, ///< kp outside 1e-9 .. 1e6, ki outside 0 .. 1e6, gain_rise outside 1 .. 10, dip_gain outside 0 .. 10, or swing_Nm outside 0 .. 1e6
     LODE_ERROR_SPEED_BANDWIDTH, ///< speed bandwidth out of range, or above the PLL's
     LODE_ERROR_SPEED_RAMP, ///< a ramp outside 1e-3 .. 1e7, or a jerk out of range or not built in
     LODE_ERROR_SPEED_FEED_FORWARD, ///< a feed-forward neither 0 .. 1 nor LODE_NONE

@@ -97,9 +97,11 @@ static const refusal_t refusals[] = {
      "current.bandwidth_rad_s motor.Rs_Ohm motor.Ld_H motor.Lq_H drive.r_on_Ohm drive.f_pwm_Hz",
      "positive gains that are stable with the motor's inductances"},
     {LODE_ERROR_CURRENT_VOLTAGE, "current.voltage_use", NULL, "0.1 .. 1.1547"},
-    {LODE_ERROR_SPEED_GAINS, "speed.kp_Nms speed.ki_Nm speed.gain_rise speed.dip_gain",
+    {LODE_ERROR_SPEED_GAINS,
+     "speed.kp_Nms speed.ki_Nm speed.gain_rise speed.dip_gain speed.swing_Nm",
      "speed.bandwidth_rad_s motor.J_kgm2 " RATED,
-     "kp_Nms 1e-9 .. 1e6, ki_Nm 0 .. 1e6, gain_rise 1 .. 10, dip_gain 0 .. 10 or none"},
+     "kp_Nms 1e-9 .. 1e6, ki_Nm 0 .. 1e6, gain_rise 1 .. 10, dip_gain 0 .. 10 or none, swing_Nm up "
+     "to 1e6 or none"},
     {LODE_ERROR_SPEED_BANDWIDTH, "speed.bandwidth_rad_s speed.kp_Nms",
      "estimator.sigma_low_rad_s motor.J_kgm2 " RATED,
      "a speed loop slower than the PLL that feeds it: kp_Nms at most sigma_low_rad_s times J_kgm2"},

@@ -157,6 +157,7 @@ static const rig_key_t keys[] = {
     FLOAT_OR_NONE("speed", "inertia_feed_forward", speed.inertia_feed_forward),
     FLOAT_OR_NONE("speed", "load_feed_forward", speed.load_feed_forward),
     FLOAT_OR_NONE("speed", "dip_gain", speed.dip_gain),
+    FLOAT_OR_NONE("speed", "swing_Nm", speed.swing_Nm),
     CHOICE("speed", "every_period", drive.speed.every_period, "auto|on|off", NULL),
     FLOAT("speed", "omega_min_rad_s", speed.omega_min_rad_s),
 

@@ -131,6 +131,8 @@
     ROW(FLOAT, float, speed.jerk_step) \
     ROW(FLOAT, float, speed.dip_gain) \
     ROW(FLOAT, float, speed.dip_least) \
+    ROW(FLOAT, float, speed.swing_Nm) \
+    ROW(FLOAT, float, speed.swing_calls) \
     ROW(FLOAT, float, speed.load_feed_forward) \
     ROW(FLOAT, float, speed.load_fall) \
     ROW(FLOAT, float, speed.inertia_Nm) \
@@ -158,6 +160,7 @@
     ROW(WHOLE, uint_least16_t, start.dwell_rounds) \
     ROW(FLOAT, float, start.omega_per_noise) \
     ROW(FLOAT, float, start.omega_most) \
+    ROW(FLOAT, float, start.R_Ohm) \
     ROW(FLOAT, float, start.calm_V) \
     ROW(FLOAT, float, start.r_known) \
     ROW(FLOAT, float, start.dead_known) \
@@ -224,6 +227,7 @@
     ROW("speed.jerk_step", "SHAPED_RAMP") \
     ROW("start.omega_per_noise", "PLAUSIBILITY") \
     ROW("start.omega_most", "PLAUSIBILITY") \
+    ROW("start.R_Ohm", "START_MEASUREMENT") \
     ROW("start.calm_V", "START_MEASUREMENT") \
     ROW("start.r_known", "START_MEASUREMENT") \
     ROW("start.dead_known", "START_MEASUREMENT") \
@@ -324,6 +328,7 @@
     ROW(FLOAT, float, speed.inertia_feed_forward) \
     ROW(FLOAT, float, speed.load_feed_forward) \
     ROW(FLOAT, float, speed.dip_gain) \
+    ROW(FLOAT, float, speed.swing_Nm) \
     ROW(FLOAT, float, speed.omega_min_rad_s) \
     ROW(CHOICE, lode_choice_t, speed.every_period) \
     ROW(FLOAT, float, start.current_A) \
