@@ -6,6 +6,7 @@
 #include "commands/command_source.h"
 #include "config/assumptions.h"
 #include "config/refusal.h"
+#include "design/advice.h"
 #include "design/design.h"
 #include "report/report_design.h"
 #include "support/atomic_file.h"
@@ -33,6 +34,7 @@ rig_exit_t command_design(const options_t *options) {
         !outputs_open(&json, options->json)) {
         return RIG_BAD_INPUT;
     }
+    const rig_config_t read = config;
     if (!rig_config_complete(&config, options->source == NULL ? RIG_NEED_MOTOR : RIG_NEED_BOARD)) {
         return RIG_BAD_INPUT;
     }
@@ -48,6 +50,7 @@ rig_exit_t command_design(const options_t *options) {
     }
     assumptions_disturbances(&config);
     design_compute(&design, &config, &tuning.drive);
+    advice_find(&design.verdict, &read, &config);
     if (options->json_on_stdout) {
         report_design_json(stdout, &config, &design);
     } else {

@@ -370,6 +370,15 @@ bool ini_config_set(rig_config_t *config, const char *option, const char *assign
     return !source.failed;
 }
 
+void ini_config_override(rig_config_t *config, const char *section, const char *key,
+                         const char *value) {
+    char unused[640];
+    const rig_schema_t schema = rig_schema();
+    const int row = rig_schema_find(schema, section, key);
+    (void)rig_key_assign(&schema.row[row], config, value, unused, sizeof unused);
+    config->origin[row] = (rig_origin_t){.file = -1, .line = 0, .order = RIG_ORDER_SET + 1};
+}
+
 // ---- Display ------------------------------------------------------------------------------------
 
 void ini_config_value(const rig_config_t *config, int row, char *text, size_t size) {

@@ -17,6 +17,10 @@ bool ini_config_load_part(rig_config_t *config, const char *path);
 /// "section.key=value", overrides the files. `option`: the name of the option on the command line.
 bool ini_config_set(rig_config_t *config, const char *option, const char *assignment);
 
+/// For a trial: this valid value in place of whatever files and --set give for the same quantity.
+void ini_config_override(rig_config_t *config, const char *section, const char *key,
+                         const char *value);
+
 /// The value in use, as written in a file; a rated speed that was not given is that of the designed drive.
 void ini_config_value(const rig_config_t *config, int row, char *text, size_t size);
 

@@ -9,6 +9,7 @@
 
 #define STEP_SHARE_LEAST 0.35 // simulated drives withstand 1.1 to 2.1 times as much: about half
 #define MARGIN_LEAST_deg 30.0
+#define TOLERANCE 1.01 // of a rated speed, whose catalogue value is rounded
 
 // ---- Load steps ------------------------------------------------------------------------------------
 
@@ -24,15 +25,16 @@ static verdict_step_t step_at(const lode_drive_config_t *drive, const lode_drive
 // ---- What to change ----------------------------------------------------------------------------------
 
 #if defined(__GNUC__)
-__attribute__((format(printf, 3, 4)))
+__attribute__((format(printf, 4, 5)))
 #endif
 static void
-add_change(verdict_t *verdict, const char *key, const char *format, ...) {
+add_change(verdict_t *verdict, const char *key, const char *help, const char *format, ...) {
     if (verdict->changes == VERDICT_CHANGES_MAX) {
         return;
     }
     verdict_change_t *change = &verdict->change[verdict->changes++];
-    change->key = key;
+    *change = (verdict_change_t){.key = key};
+    (void)snprintf(change->help, sizeof change->help, "%s", help);
     va_list arguments;
     va_start(arguments, format);
     (void)vsnprintf(change->text, sizeof change->text, format, arguments);
@@ -51,26 +53,27 @@ static void judge_speeds(verdict_t *verdict, const lode_drive_config_t *drive,
     const double rpm = rpm_of(drive, rated);
     if (rated > speeds->estimator_rad_s) {
         add_change(verdict, "rated_above_estimator",
-                   "rated speed %.0f rpm is above the estimator's limit of %.0f rpm: raise "
-                   "f_pwm_Hz (or omega_max_rad_s if given), or lower speed_rated_rpm",
-                   rpm, rpm_of(drive, speeds->estimator_rad_s));
+                   "raise f_pwm_Hz (or omega_max_rad_s if given), or lower speed_rated_rpm",
+                   "rated speed %.0f rpm is above the estimator's limit of %.0f rpm", rpm,
+                   rpm_of(drive, speeds->estimator_rad_s));
     }
     if (rated > voltage) {
         add_change(verdict, "rated_above_voltage",
-                   "rated speed %.0f rpm is above the %.0f rpm that the voltage allows: raise "
-                   "v_bus_V%s, or lower speed_rated_rpm",
-                   rpm, rpm_of(drive, voltage),
-                   weakens ? " or id_max_A" : " or weaken the field (field_weakening = on)");
-    } else if (rated > speeds->rated_torque_rad_s && !weakens) {
+                   weakens ? "raise v_bus_V or id_max_A, or lower speed_rated_rpm"
+                           : "raise v_bus_V or weaken the field (field_weakening = on), or lower "
+                             "speed_rated_rpm",
+                   "rated speed %.0f rpm is above the %.0f rpm that the voltage allows", rpm,
+                   rpm_of(drive, voltage));
+    } else if (rated > TOLERANCE * speeds->rated_torque_rad_s && !weakens) {
         add_change(verdict, "rated_torque_above_voltage",
-                   "rated torque is possible up to %.0f rpm, not to the rated %.0f rpm: raise "
-                   "v_bus_V, weaken the field (field_weakening = on), or lower speed_rated_rpm",
+                   "raise v_bus_V, weaken the field (field_weakening = on), or lower "
+                   "speed_rated_rpm",
+                   "rated torque is possible up to %.0f rpm, not to the rated %.0f rpm",
                    rpm_of(drive, speeds->rated_torque_rad_s), rpm);
     }
     if (speeds->base_rad_s < verdict->step[VERDICT_LOW].omega_rad_s) {
-        add_change(verdict, "base_below_handover",
-                   "i_max uses up the voltage at %.0f rpm, below the lowest speed of %.0f rpm: "
-                   "raise v_bus_V or lower i_max_A",
+        add_change(verdict, "base_below_handover", "raise v_bus_V or lower i_max_A",
+                   "i_max uses up the voltage at %.0f rpm, below the lowest speed of %.0f rpm",
                    rpm_of(drive, speeds->base_rad_s),
                    rpm_of(drive, verdict->step[VERDICT_LOW].omega_rad_s));
     }
@@ -82,8 +85,10 @@ static bool is_short(const verdict_t *verdict, int k) {
     return step->share < STEP_SHARE_LEAST && !below;
 }
 
+/// By the tenths that are printed.
 static bool is_tight(const analyse_loop_t *loop) {
-    return !(loop->phase_deg >= MARGIN_LEAST_deg) && !isnan(loop->crossover_rad_s);
+    return !(round(10.0 * loop->phase_deg) >= 10.0 * MARGIN_LEAST_deg) &&
+           !isnan(loop->crossover_rad_s);
 }
 
 /// A larger load step needs a higher sigma, a larger margin of the PLL a lower one: a higher w0 helps both.
@@ -104,9 +109,9 @@ static void judge_steps(verdict_t *verdict, const lode_drive_config_t *drive) {
         const verdict_step_t *step = &verdict->step[k];
         if (is_short(verdict, k)) {
             add_change(verdict, keys[k],
-                       "the largest load step at %.0f rpm is %.0f %% of rated torque: %s",
-                       rpm_of(drive, step->omega_rad_s), 100.0 * step->share,
-                       step->by_current ? "raise i_max_A" : helps[k][needs_w0(verdict, k) ? 1 : 0]);
+                       step->by_current ? "raise i_max_A" : helps[k][needs_w0(verdict, k) ? 1 : 0],
+                       "the largest load step at %.0f rpm is %.0f %% of rated torque",
+                       rpm_of(drive, step->omega_rad_s), 100.0 * step->share);
         }
     }
 }
@@ -114,8 +119,8 @@ static void judge_steps(verdict_t *verdict, const lode_drive_config_t *drive) {
 static void judge_margin(verdict_t *verdict, const analyse_loop_t *loop, const char *key,
                          const char *help) {
     if (is_tight(loop)) {
-        add_change(verdict, key, "phase margin of %s at %.0f rpm is %.0f degrees: %s", loop->name,
-                   loop->speed_rpm, loop->phase_deg, help);
+        add_change(verdict, key, help, "phase margin of %s at %.0f rpm is %.1f degrees", loop->name,
+                   loop->speed_rpm, loop->phase_deg);
     }
 }
 
@@ -161,7 +166,8 @@ void verdict_compute(verdict_t *verdict, const lode_drive_config_t *drive,
     judge_margins(verdict);
     if (!lode_start_has_emf(&drive->start, &drive->inverter, &drive->motor)) {
         add_change(verdict, "no_usable_emf",
-                   "no usable EMF (see limits): use a motor with less resistance or more flux, a "
-                   "higher v_bus_V, or an angle sensor");
+                   "use a motor with less resistance or more flux, a higher v_bus_V, or an angle "
+                   "sensor",
+                   "no usable EMF (see limits)");
     }
 }

@@ -8,7 +8,14 @@
 #include "config/speed_limits.h"
 
 enum { VERDICT_LOW, VERDICT_HIGH, VERDICT_SPEEDS };
-enum { VERDICT_CHANGES_MAX = 12, VERDICT_TEXT = 256 };
+enum {
+    VERDICT_CHANGES_MAX = 12,
+    VERDICT_TEXT = 160,
+    VERDICT_HELP = 640,
+    VERDICT_WAYS_MAX = 3,
+    VERDICT_KEYS_MAX = 4,
+    VERDICT_ASSIGNMENT = 64
+};
 
 /// The largest load step (K18).
 typedef struct {
@@ -18,9 +25,18 @@ typedef struct {
     bool by_current; ///< limited by i_max, not by the speed dip
 } verdict_step_t;
 
+/// Values that remove a complaint together, as --set takes them.
 typedef struct {
-    const char *key; ///< for programs
-    char text[VERDICT_TEXT];
+    int assignments;
+    char assignment[VERDICT_KEYS_MAX][VERDICT_ASSIGNMENT];
+} verdict_way_t;
+
+typedef struct {
+    const char *key;         ///< for programs
+    char text[VERDICT_TEXT]; ///< what is wrong
+    char help[VERDICT_HELP]; ///< what to do about it
+    int ways;                ///< found by trial (advice.h); 0: none
+    verdict_way_t way[VERDICT_WAYS_MAX];
 } verdict_change_t;
 
 typedef struct {

@@ -70,7 +70,7 @@ void report_verdict_text(FILE *file, const lode_drive_config_t *drive, const des
     print_loops(file, drive, verdict);
     const int doubts = plausible_print_doubts(file, &design->plausible);
     for (int k = 0; k < verdict->changes; ++k) {
-        (void)fprintf(file, "change: %s\n", verdict->change[k].text);
+        (void)fprintf(file, "change: %s: %s\n", verdict->change[k].text, verdict->change[k].help);
     }
     if (doubts == 0 && verdict->changes == 0) {
         (void)fputs("nothing to change\n", file);
@@ -96,6 +96,23 @@ static void add_loop(cJSON *array, const char *name, double rpm, const analyse_l
     config_json_number(item, "phase_margin_deg", loop->phase_deg);
 }
 
+static void add_change(cJSON *array, const verdict_change_t *change) {
+    char text[VERDICT_TEXT + VERDICT_HELP + 2];
+    cJSON *item = config_json_item(array);
+    (void)snprintf(text, sizeof text, "%s: %s", change->text, change->help);
+    (void)cJSON_AddStringToObject(item, "key", change->key);
+    (void)cJSON_AddStringToObject(item, "text", text);
+    cJSON *ways = cJSON_AddArrayToObject(item, "ways");
+    for (int way = 0; way < change->ways; ++way) {
+        const verdict_way_t *found = &change->way[way];
+        cJSON *sets = cJSON_CreateArray();
+        for (int k = 0; k < found->assignments; ++k) {
+            (void)cJSON_AddItemToArray(sets, cJSON_CreateString(found->assignment[k]));
+        }
+        (void)cJSON_AddItemToArray(ways, sets);
+    }
+}
+
 void report_verdict_json(cJSON *root, const lode_drive_config_t *drive, const design_t *design) {
     const verdict_t *verdict = &design->verdict;
     cJSON *object = cJSON_AddObjectToObject(root, "verdict");
@@ -119,8 +136,6 @@ void report_verdict_json(cJSON *root, const lode_drive_config_t *drive, const de
     }
     cJSON *changes = cJSON_AddArrayToObject(object, "changes");
     for (int k = 0; k < verdict->changes; ++k) {
-        cJSON *item = config_json_item(changes);
-        (void)cJSON_AddStringToObject(item, "key", verdict->change[k].key);
-        (void)cJSON_AddStringToObject(item, "text", verdict->change[k].text);
+        add_change(changes, &verdict->change[k]);
     }
 }
