@@ -11,6 +11,7 @@
 #include "support/atomic_file.h"
 #include "support/fault_text.h"
 #include "support/outputs.h"
+#include "support/units.h"
 
 #define MAIN_SCENARIO "main"
 
@@ -20,6 +21,17 @@ static bool has(const commission_run_t *run, int quantity) {
         (quantity >= LODE_COMMISSION_OFFSET_A2 && quantity <= LODE_COMMISSION_OFFSET_C2) ||
         quantity == LODE_COMMISSION_LXY_H;
     return run->sets > 1 || !of_six;
+}
+
+static void print_lowered(FILE *file, const commission_run_t *run) {
+    const double np = (double)commission_of(run)->config.motor.pole_pairs;
+    if (!isnan(run->lowered_rad_s)) {
+        (void)fprintf(
+            file,
+            "\nlimited by the bus voltage, see `design`: the run was that of a rated speed "
+            "of %.0f rpm, up to\nwhich rated torque is possible\n",
+            rig_rpm_from_rad_s(run->lowered_rad_s) / np);
+    }
 }
 
 static void print_table(FILE *file, const commission_run_t *run) {
@@ -43,6 +55,7 @@ static void print_table(FILE *file, const commission_run_t *run) {
         }
         (void)fputc('\n', file);
     }
+    print_lowered(file, run);
     (void)fprintf(file, "\nlargest current %.4g A of %.4g A\n", run->i_max_A,
                   (double)own->config.inverter.i_max_A);
 }

@@ -141,7 +141,9 @@ static const char *commission(rig_config_t *config, const plant_config_t *truth)
         return text;
     }
     const lode_drive_config_t *found = lode_commission_config(ended);
+    const float rated = config->given.motor.omega_rated_rad_s; // the run may have had a lower one
     config->given.motor = found->motor;
+    config->given.motor.omega_rated_rad_s = rated;
     config->given.inverter = found->inverter;
     config->given.references.Lq_fall = found->references.Lq_fall;
     if (run.sets > 1) {

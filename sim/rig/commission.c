@@ -5,10 +5,13 @@
 
 #include "config/refusal.h"
 #include "config/schema.h"
+#include "config/speed_limits.h"
 #include "rig/rig.h"
 
 /// Longer than all time-outs of the commissioning together.
 #define LONGEST_s 60.0
+/// Of rated speed: the upper speed of the run.
+#define RUN_SHARE 0.7
 
 /// Rise of 1/L per ampere, from an inductance without current and one at `i_A`.
 static double fall_1_A(double none_H, double at_H, double i_A) {
@@ -56,12 +59,29 @@ const lode_commission_t *commission_of(const commission_run_t *self) {
     return &self->commission.machine;
 }
 
+/// The run goes up to some 0.7 of rated speed with 0.6 of the torque of i_max. If that is more than the voltage
+/// allows with the current of rated torque, the speed of that is the rated speed for the run.
+static double lowered_rated(const rig_config_t *config) {
+    const double rated = (double)config->drive.motor.omega_rated_rad_s;
+    if (rig_config_judge(config) != LODE_OK) {
+        return NAN; // it will be refused
+    }
+    const speed_limits_t limits = speed_limits_of(&config->drive);
+    const bool reached = RUN_SHARE * rated <= limits.rated_torque_rad_s ||
+                         !isnan(limits.weakened_rad_s) || !(limits.rated_torque_rad_s > 0.0);
+    return reached ? NAN : limits.rated_torque_rad_s;
+}
+
 static lode_status_t init(commission_run_t *self, const rig_config_t *config) {
+    lode_drive6_config_t six = rig_config_six(config);
+    lode_motor_t *motor = &six.drive.motor;
+    self->lowered_rad_s = lowered_rated(config);
+    motor->omega_rated_rad_s =
+        isnan(self->lowered_rad_s) ? motor->omega_rated_rad_s : (float)self->lowered_rad_s;
     if (self->sets == 1) {
         return lode_commission_init(&self->commission.machine, &self->three, self->three_tuning,
-                                    &config->given);
+                                    &six.drive);
     }
-    const lode_drive6_config_t six = rig_config_six(config);
     return lode_commission6_init(&self->commission, &self->six, self->six_tuning, &six);
 }
 
@@ -149,6 +169,7 @@ void commission_found(rig_config_t *found, const commission_run_t *self,
     };
     *found = *config;
     found->drive = *lode_commission_config(commission_of(self));
+    found->drive.motor.omega_rated_rad_s = config->given.motor.omega_rated_rad_s;
     found->given = found->drive;
     if (self->sets == PLANT_SETS) {
         found->given_six.Lxy_H = lode_commission6_config(&self->commission)->Lxy_H;

@@ -16,6 +16,8 @@ typedef struct {
     double truth[LODE_COMMISSION_QUANTITIES]; ///< NaN: not defined
     double took_s;
     double i_max_A; ///< largest length of the current vector
+    /// rated speed that the drive was told, electrical, because the voltage does not reach the given one; NaN: the given one
+    double lowered_rad_s;
 } commission_run_t;
 
 /// False after a message for refused input. A commissioning that fails returns true with its own result.

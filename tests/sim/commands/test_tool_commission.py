@@ -266,12 +266,49 @@ def round_trip(checks, folder):
 
 
 def main():
+# Direct drive of a washing machine: 773 of its rated 1200 rpm without load, 378 with the current of rated torque.
+WASHER = """[motor]
+poles = 48
+R_winding_Ohm = 6.5
+winding = star
+L_winding_mH = 38
+ke_V_Hz = 0.55
+J_kgm2 = 0.35
+speed_rated_rpm = 1200
+[drive]
+f_pwm_Hz = 16e3
+v_bus_V = 310
+i_max_A = 6
+dead_time_s = 1.5e-6
+v_drop_V = 1.5
+"""
+
+
+def voltage_limit(checks, folder):
+    """A rated speed above what the voltage allows: the run stays below, says so, and the file keeps the rated speed."""
+    said = "limited by the bus voltage, see `design`: the run was that of a rated speed of "
+    for ke in ("0.55", "2.4"):
+        folder.write("w.ini", WASHER.replace("0.55", ke))
+        done = folder.run("commission", "--motor", "w.ini", "--out", "found.ini", "--json", "out.json")
+        if not checks.equal(done.returncode, 0, f"ke {ke}: {done.stdout}{done.stderr}"):
+            continue
+        checks.true(said in done.stdout, f"ke {ke}: {done.stdout}")
+        found, truth = folder.json("out.json"), truth_of(done.stdout)
+        for key, bar in BARS.items():
+            checks.at_most(abs(found[key]["value"] / truth[key] - 1.0), bar, f"ke {ke}: {key}")
+        checks.equal(float(values(folder.path / "found.ini")["speed_rated_rpm"]), 1200.0, f"ke {ke}: rated speed in the file")
+    folder.write("w.ini", WASHER.replace("1200", "500"))  # of which a run needs 0.7
+    done = folder.run("commission", "--motor", "w.ini")
+    checks.equal([done.returncode, said in done.stdout], [0, False], f"a speed that is reached: {done.stdout}")
+
+
     checks = Checks()
     with Folder() as folder:
         catalogue(checks, folder)
         light_rotor(checks, folder)
         other_inertia(checks, folder)
         files_and_refusals(checks, folder)
+        voltage_limit(checks, folder)
         six_phases(checks, folder)
     with Folder() as folder:
         round_trip(checks, folder)
