@@ -1,6 +1,7 @@
 #include "commands/tool.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #include "commands/command_analyse.h"
 #include "commands/command_commission.h"
@@ -13,6 +14,7 @@
 #include "commands/command_run.h"
 #include "config/data_files.h"
 #include "config/schema.h"
+#include "rig/inject.h"
 #include "support/atomic_file.h"
 #include "support/options.h"
 
@@ -46,6 +48,16 @@ static rig_exit_t list(void) {
     return RIG_DONE;
 }
 
+static void help(const char *command) {
+    options_print_help(command);
+    if (command != NULL && strcmp(command, "faults") == 0) {
+        (void)puts("\nkinds:");
+        for (int k = 0; k < inject_kind_count; ++k) {
+            (void)printf("  %-20s %s\n", inject_kinds[k].name, inject_kinds[k].what);
+        }
+    }
+}
+
 static rig_exit_t dispatch(const options_t *options) {
     switch (options->command) {
     case COMMAND_LIST:
@@ -69,7 +81,7 @@ static rig_exit_t dispatch(const options_t *options) {
     case COMMAND_MONTE_CARLO:
         return command_monte_carlo(options);
     case COMMAND_HELP:
-        options_print_help(options->help_for);
+        help(options->help_for);
         return RIG_DONE;
     case COMMAND_VERSION:
         (void)printf("lodestar %d.%d.%d\n", LODE_VERSION_MAJOR, LODE_VERSION_MINOR,

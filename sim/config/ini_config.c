@@ -221,6 +221,12 @@ static void check_section(source_t *source, const char *line) {
     }
 }
 
+/// A carriage return with text after it: the end of a line on old systems.
+static bool has_lone_return(const char *line) {
+    const char *end = strchr(line, '\r');
+    return end != NULL && end[strspn(end, "\r\n")] != '\0';
+}
+
 /// Feeds inih line by line and counts the lines, because inih does not give a handler the line number.
 static char *next_line(char *text, int size, void *user) {
     source_t *source = user;
@@ -240,6 +246,12 @@ static char *next_line(char *text, int size, void *user) {
     if (line != NULL && !source->line_done && strlen(line) + 1u < (size_t)size) {
         rig_error_at(source->path, source->line,
                      "a zero octet; expected text in UTF-8 or ASCII (not UTF-16)");
+        source->failed = true;
+    }
+    if (line != NULL && !source->failed && has_lone_return(line)) {
+        rig_error_at(source->path, source->line,
+                     "a carriage return within the line; expected lines that end with a line feed "
+                     "(LF, or CR and LF), not with a carriage return alone");
         source->failed = true;
     }
     if (line != NULL && !source->failed) {

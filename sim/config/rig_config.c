@@ -58,7 +58,9 @@ bool rig_config_is_given(const rig_config_t *config, const char *section, const 
     return origin->file >= 0 || origin->line == 0;
 }
 
-static bool all_given(const rig_config_t *config, const char *section, const char *const *key) {
+/// `why`: behind "missing", why it is not assumed.
+static bool all_given(const rig_config_t *config, const char *section, const char *const *key,
+                      const char *why) {
     bool good = true;
     for (; *key != NULL; ++key) {
         if (!rig_config_is_given(config, section, *key)) {
@@ -66,9 +68,11 @@ static bool all_given(const rig_config_t *config, const char *section, const cha
             conversions_instead_of(section, *key, others, sizeof others);
             rig_error_at(
                 config->files > 0 ? config->file[0] : "command line", 0,
-                "[%s] %s: missing; expected it in %s, or as --set %s.%s=VALUE%s%s", section, *key,
+                "[%s] %s: missing%s; expected it in %s, or as --set %s.%s=VALUE%s%s", section, *key,
+                why,
                 strcmp(section, "drive") == 0
-                    ? "the motor's file (`run` and `design` take a file of its own: --drive F.ini)"
+                    ? "the motor's file (`run`, `design` and `commission` take a file of its own: "
+                      "--drive F.ini)"
                     : "a file",
                 section, *key, others[0] != '\0' ? "; or one of " : "", others);
             good = false;
@@ -210,7 +214,7 @@ static bool check_six(const rig_config_t *config) {
     if (!rig_config_is_six(config)) {
         return true;
     }
-    if (!all_given(config, "motor", motor)) {
+    if (!all_given(config, "motor", motor, "")) {
         return false;
     }
     if (config->source != RIG_SOURCE_OWN || config->emf >= RIG_EMF_C_EULER) {
@@ -227,9 +231,12 @@ bool rig_config_given(const rig_config_t *config, rig_need_t need) {
                                         "psi_Wb",     "J_kgm2", NULL};
     static const char *const drive[] = {"f_pwm_Hz", "v_bus_V", "i_max_A", NULL};
     static const char *const board[] = {"i_range_A", "v_range_V", NULL};
-    bool good = all_given(config, "motor", motor);
-    good = (need == RIG_NEED_MOTOR || all_given(config, "drive", drive)) && good;
-    return (need != RIG_NEED_BOARD || all_given(config, "drive", board)) && good;
+    bool good = all_given(config, "motor", motor, "");
+    good = (need == RIG_NEED_MOTOR || all_given(config, "drive", drive, "")) && good;
+    return (need != RIG_NEED_BOARD ||
+            all_given(config, "drive", board,
+                      ", and --c needs it: an assumed value is not used for firmware")) &&
+           good;
 }
 
 bool rig_config_complete(rig_config_t *config, rig_need_t need) {

@@ -456,8 +456,10 @@ static bool refuse_option(const command_t *command, int answer, const char *give
     list_options(command->mask, known, sizeof known);
     if (answer == ':') {
         rig_error("%s: missing value; expected one after the option", given);
+    } else if (known[0] == '\0') {
+        rig_error("%s: unknown here; %s takes no options", given, command->name);
     } else {
-        rig_error("%s: unknown here; expected one of %s", given, known[0] != '\0' ? known : "none");
+        rig_error("%s: unknown here; expected one of %s", given, known);
     }
     return false;
 }
@@ -532,9 +534,8 @@ static bool check_format(const options_t *options) {
 
 static bool check_either(const char *command, const options_t *options) {
     if (options->scenario != NULL && (options->motor != NULL || options->drive != NULL)) {
-        rig_error(
-            "%s: expected a scenario or --motor, not both: a scenario names its motor and drive",
-            command);
+        rig_error("%s: expected a scenario or --%s, not both: a scenario names its motor and drive",
+                  command, options->motor != NULL ? "motor" : "drive");
         return false;
     }
     return true;

@@ -165,7 +165,8 @@ def files_and_refusals(checks, folder):
                           wrong.stdout), wrong.stdout[-300:])
     bare = folder.write("bare.ini", (DATA / "motors" / "jiang2022.ini").read_text())
     for arguments, pattern in [
-        (["--motor", bare, "--c", "x.c"], r"\[drive\] i_range_A: missing"),  # not assumed for firmware
+        (["--motor", bare, "--c", "x.c"], r"\[drive\] i_range_A: missing, and --c needs it: an assumed value is not used for firmware; "
+         r"expected it in the motor's file \(`run`, `design` and `commission` take"),
         (["--c", "2.c"], r"--c 2.c: expected a file whose name"),
         (["--motor", bare, "--drive", "jiang2022", "--out", bare], r"it is an input of this command"),
         (["--motor", bare, "--drive", "jiang2022", "--c", bare], r"it is an input of this command"),
@@ -265,7 +266,6 @@ def round_trip(checks, folder):
             r"^assumed.ini: \[drive\] i_range_A: missing")
 
 
-def main():
 # Direct drive of a washing machine: 773 of its rated 1200 rpm without load, 378 with the current of rated torque.
 WASHER = """[motor]
 poles = 48
@@ -302,13 +302,14 @@ def voltage_limit(checks, folder):
     checks.equal([done.returncode, said in done.stdout], [0, False], f"a speed that is reached: {done.stdout}")
 
 
+def main():
     checks = Checks()
     with Folder() as folder:
         catalogue(checks, folder)
         light_rotor(checks, folder)
         other_inertia(checks, folder)
-        files_and_refusals(checks, folder)
         voltage_limit(checks, folder)
+        files_and_refusals(checks, folder)
         six_phases(checks, folder)
     with Folder() as folder:
         round_trip(checks, folder)

@@ -220,8 +220,21 @@ def refuses(checks, folder):
         refused(checks, folder, ["faults", *arguments, "--json", "no.json"], says)
 
 
+def lists_its_kinds(checks, folder):
+    """The names that --kinds takes, and what they are."""
+    text = folder.run("faults", "--help").stdout
+    message = folder.run("faults", "--kinds", "nonsense").stderr
+    names = message.split("expected one or more of ")[1].strip().split(", ")
+    checks.true(len(names) > 40, f"{len(names)} kinds")
+    rows = text.split("\nkinds:\n")[1].splitlines()
+    checks.equal([row.split()[0] for row in rows], names, "kinds in the help")
+    checks.true(all(len(row.split()) > 1 for row in rows), "each with words")
+    checks.true("kinds:" not in folder.run("run", "--help").stdout, "not of another command")
+
+
 checks = Checks()
 with Folder() as folder:
+    lists_its_kinds(checks, folder)
     finds(checks, folder)
     tries_bridge_and_sensors_before_a_start(checks, folder)
     finds_sensors_that_come_to_show_less_in_a_start(checks, folder)
