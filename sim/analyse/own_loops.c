@@ -15,7 +15,8 @@ static const double shares[OWN_SPEEDS] = {0.1, 0.2, 1.0};
 #define CURRENT_Q "current, q axis"
 #define PLL_WHOLE "PLL with observer"
 #define SPEED_ALONE "speed, PI alone"
-#define LOWEST_SHARE 1.0e-4 // of the sampling frequency, where a sweep begins
+#define FIRST_SHARE 1.0e-4  // of the sampling frequency, where a sweep begins
+#define LOWEST_SHARE 1.0e-9 // or lower, down to this, where the gain is below 1 there already
 
 typedef struct {
     const lode_drive_config_t *drive;
@@ -118,11 +119,25 @@ static void speed(const task_t *task, int count, const double *Omega, double com
 
 // ---- Margins and curves -----------------------------------------------------------------------------
 
+/// The crossover of a slow loop lies far below the sampling frequency.
+static double first_frequency(const task_t *task, response_t response) {
+    double share = FIRST_SHARE;
+    double complex value = 0.0;
+    for (; share > LOWEST_SHARE; share *= 0.1) {
+        const double Omega = share * 2.0 * RIG_PI / task->ts_s;
+        response(task, 1, &Omega, &value);
+        if (!(cabs(value) < 1.0)) {
+            break;
+        }
+    }
+    return share * 2.0 * RIG_PI / task->ts_s;
+}
+
 /// Up to half the rate of the loop.
 static void frequencies(const task_t *task, response_t response, int count, double *Omega_rad_s) {
     const double periods = response == speed ? (double)task->tuning->speed_periods : 1.0;
     const double last = 0.999 * RIG_PI / (periods * task->ts_s);
-    const double first = LOWEST_SHARE * 2.0 * RIG_PI / task->ts_s;
+    const double first = first_frequency(task, response);
     for (int k = 0; k < count; ++k) {
         Omega_rad_s[k] = first * pow(last / first, (double)k / (count - 1));
     }

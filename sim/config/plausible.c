@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-// A wrong unit prefix is a factor of 1000. The limits are a tenth and ten times the catalogue's range, for the
-// run-up with a load a hundred times. With less than a third of the voltage few motors reach rated speed; the
-// verdict reports a voltage that is only slightly too low.
+// A wrong unit prefix is a factor of 1000, of an inertia in kg cm2 for g cm2 too. The limits are a fifth and five times the
+// catalogue's range. With less than a third of the voltage few motors reach rated speed; the verdict reports a voltage that
+// is only slightly too low.
 static const plausible_t catalogue = {
     .ratio = {
         {.key = "time_constant",
@@ -12,23 +12,23 @@ static const plausible_t catalogue = {
          .unit = "ms",
          .usual_low = 0.3,
          .usual_high = 130.0,
-         .least = 0.03,
-         .most = 1300.0,
+         .least = 0.06,
+         .most = 650.0,
          .made_of = "Rs in Ohm, Lq in H, of one phase"},
         {.key = "short_circuit_current",
          .name = "short-circuit current psi/Ld",
          .unit = "i_max",
          .usual_low = 1.0,
          .usual_high = 10.0,
-         .least = 0.1,
-         .most = 100.0,
+         .least = 0.2,
+         .most = 50.0,
          .made_of = "psi in Wb, Ld in H, i_max in A"},
         {.key = "resistive_drop",
          .name = "i_max across Rs",
          .unit = "% of v_bus/sqrt(3)",
          .usual_low = 1.0,
          .usual_high = 72.0,
-         .least = 0.1,
+         .least = 0.2,
          .most = 100.0,
          .made_of = "Rs in Ohm, i_max in A, v_bus in V"},
         {.key = "run_up",
@@ -36,8 +36,8 @@ static const plausible_t catalogue = {
          .unit = "ms",
          .usual_low = 6.0,
          .usual_high = 360.0,
-         .least = 0.6,
-         .most = 36.0e3,
+         .least = 1.2,
+         .most = 1.8e3,
          .made_of = "J in kg m2, psi in Wb, i_max in A"},
         {.key = "no_load_speed",
          .name = "no-load speed",

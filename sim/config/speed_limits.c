@@ -97,6 +97,11 @@ double speed_limits_torque_Nm(const lode_drive_config_t *config, double omega_ra
     return (double)lode_motor_torque_Nm(&motor, i);
 }
 
+double speed_limits_id_A(const lode_drive_config_t *config, double omega_rad_s) {
+    lode_references_tuning_t tuning;
+    return tune_references(&tuning, config) ? (double)most_current(&tuning, omega_rad_s).d : NAN;
+}
+
 /// Base speed for the current that is left for a steady load.
 static double rated_torque_speed(const lode_drive_config_t *config, double end_rad_s) {
     lode_drive_config_t steady = *config;

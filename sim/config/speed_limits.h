@@ -27,6 +27,9 @@ speed_limits_t speed_limits_of(const lode_drive_config_t *config);
 /// The largest torque at this electrical speed with the chosen references, whatever the voltage, Nm.
 double speed_limits_torque_Nm(const lode_drive_config_t *config, double omega_rad_s);
 
+/// The d current of that torque, A.
+double speed_limits_id_A(const lode_drive_config_t *config, double omega_rad_s);
+
 /// The highest speed that both voltage and estimator allow.
 double speed_limits_highest_rad_s(const speed_limits_t *limits);
 

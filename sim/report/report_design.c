@@ -120,9 +120,11 @@ static void print_speeds(FILE *file, const rig_config_t *config, const speed_lim
     char base[96];
     (void)snprintf(rated, sizeof rated, "%s%s", assumed != NULL ? "assumed: " : "",
                    assumed != NULL ? assumed : "as given");
-    (void)snprintf(base, sizeof base, "i_max uses up the voltage (%g A, %s)",
+    const double id_A = speed_limits_id_A(drive, speeds->base_rad_s);
+    (void)snprintf(base, sizeof base, "i_max uses up the voltage (%g A, %s: id* = %.3g A)",
                    (double)drive->inverter.i_max_A,
-                   drive->references.kind == LODE_REFERENCES_MTPA ? "mtpa" : "id* = 0");
+                   drive->references.kind == LODE_REFERENCES_MTPA ? "mtpa" : "id0",
+                   round(1.0e3 * id_A) / 1.0e3 + 0.0);
     (void)fputs("\nspeeds, rpm, at the nominal bus voltage\n", file);
     print_speed(file, config, "hand-over", (double)drive->start.omega_handover_rad_s,
                 "from the start to the estimator; slower commands are raised to omega_min_rad_s");

@@ -360,6 +360,40 @@ def trial_load(checks, folder):
             r"^--set: \[phase.load\] load_Nm: expected no phase, there is no scenario here$")
 
 
+# A heavy rotor: speed control is slower than a 10000th of the PWM frequency, and the voltage ends far below rated speed.
+HEAVY = """[motor]
+poles = 48
+R_winding_Ohm = 6.5
+winding = star
+L_winding_mH = 38
+ke_V_Hz = 0.55
+J_kgm2 = 0.35
+speed_rated_rpm = 1200
+[drive]
+f_pwm_Hz = 16e3
+v_bus_V = 310
+i_max_A = 6
+dead_time_s = 1.5e-6
+v_drop_V = 1.5
+"""
+
+
+def heavy(checks, folder):
+    """Its loops have margins, and the base speed says with which d current it is reached."""
+    found = designed(checks, folder, HEAVY)
+    for loop in found["verdict"]["loops"]:
+        if loop["loop"] == "speed":
+            checks.at_most(abs(loop["crossover_rad_s"] / found["speed_bandwidth_rad_s"] - 1), 0.1, f"crossover: {loop}")
+            checks.true(60 < loop["phase_margin_deg"] < 90, f"margin: {loop}")
+    text = folder.run("design", "--motor", "m.ini").stdout
+    checks.true("i_max uses up the voltage (6 A, id0: id* = -1.33 A)" in text, "the bias at base speed")
+    bare = folder.run("design", "--motor", "m.ini", "--set", "references.id_bias_A=none").stdout
+    checks.true("i_max uses up the voltage (6 A, id0: id* = 0 A)" in bare, "none")
+    analysed = folder.run("analyse", "--motor", "m.ini").stdout
+    rows = [line for line in analysed.splitlines() if line.startswith("speed, PI alone")]
+    checks.true(rows and not any("nan" in row or " -" in row for row in rows), f"loops of analyse: {rows}")
+
+
 def injection(checks, folder):
     """Whether signal injection is possible, and what it would be, worked out here for paper 1's motor."""
     command = ["design", "--motor", "jiang2022", "--drive", "jiang2022", "--set", "hfi.noise_A=0.02",
@@ -507,9 +541,10 @@ def plausible(checks, folder):
     rated = SMALL.replace("[drive]", "speed_rated_rpm = 6000\n[drive]")
     both = "Ld_H = 30e-6\nLq_H = 35e-6"
     for line, wrong, keys in [  # accepted
-        ("Rs_Ohm = 0.05", "Rs_Ohm = 0.05e-3", {"resistive_drop"}),
-        (both, "Ld_H = 30e-3\nLq_H = 35e-3", {"short_circuit_current"}),
-        ("i_max_A = 20", "i_max_A = 0.02", {"resistive_drop", "short_circuit_current"}),
+        ("Rs_Ohm = 0.05", "Rs_Ohm = 0.05e-3", {"resistive_drop", "time_constant"}),
+        (both, "Ld_H = 30e-3\nLq_H = 35e-3", {"short_circuit_current", "time_constant"}),
+        ("i_max_A = 20", "i_max_A = 0.02", {"resistive_drop", "short_circuit_current", "run_up"}),
+        ("J_kgm2 = 3e-5", "J_kgcm2 = 300", {"run_up"}),  # g cm2
         ("speed_rated_rpm = 6000", "speed_rated_rpm = 600", {"no_load_speed"}),  # rad/s for rpm
     ]:
         done = designed(checks, folder, rated.replace(line, wrong))
@@ -666,6 +701,7 @@ def main():
         first_turn(checks, folder)
         full_speed(checks, folder)
         trial_load(checks, folder)
+        heavy(checks, folder)
         injection(checks, folder)
         signal_check(checks, folder)
         plausible(checks, folder)
