@@ -47,6 +47,9 @@ static const char *verdict(const runner_result_t *result) {
         return "RUN was lost";
     }
     return result->missed ? "missed a bar" : "passed";
+    if (report_run_refused(result) != NULL && !result->missed) {
+        return "a command was refused";
+    }
 }
 
 static void print_case(uint64_t seed, const case_t *one) {

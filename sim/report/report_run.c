@@ -7,9 +7,27 @@
 #include "config/schema.h"
 #include "support/fault_text.h"
 
+const runner_phase_t *report_run_refused(const runner_result_t *result) {
+    for (int k = 0; k < result->phases; ++k) {
+        if (result->phase[k].refused) {
+            return &result->phase[k];
+        }
+    }
+    return NULL;
+}
+
 bool report_run_failed(const runner_result_t *result) {
     const bool faulted = result->fault.check != LODE_CHECK_NONE && !result->fault_expected;
-    return faulted || result->missed || result->never_ran || result->starts_yet;
+    return faulted || result->missed || result->never_ran || result->starts_yet ||
+           report_run_refused(result) != NULL;
+}
+
+static int warnings_of(const runner_result_t *result) {
+    int warnings = 0;
+    for (int k = 0; k < result->phases; ++k) {
+        warnings += result->phase[k].warnings;
+    }
+    return warnings;
 }
 
 const char *report_mode_name(lode_mode_t mode) {
@@ -150,10 +168,19 @@ static void print_verdict(FILE *file, const runner_result_t *result) {
         (void)fprintf(file, "\nRUN was lost and not reached again: %d start attempts failed\n",
                       result->retries);
     }
+    if (report_run_refused(result) != NULL) {
+        (void)fprintf(file, "\nthe drive has refused a command, first in phase %s\n",
+                      report_run_refused(result)->name);
+    }
     (void)fprintf(file,
-                  "\n%s: %.2f s of drive simulated in %.2f s on one core: %.0f times real time\n",
+                  "\n%s: %.2f s of drive simulated in %.2f s on one core: %.0f times real time",
                   verdict(result), result->simulated_s, result->processor_s,
                   result->simulated_s / result->processor_s);
+    const int warnings = warnings_of(result);
+    if (warnings > 0) {
+        (void)fprintf(file, "; %d warning%s above", warnings, warnings > 1 ? "s" : "");
+    }
+    (void)fputc('\n', file);
 }
 
 static void key_text(const rig_config_t *config, const char *key, char *text, size_t size) {
@@ -315,6 +342,8 @@ void report_run_json(FILE *file, const rig_config_t *config, const runner_result
     config_json_number(root, "handover_s", result->handover_s);
     (void)cJSON_AddBoolToObject(root, "never_ran", result->never_ran);
     (void)cJSON_AddBoolToObject(root, "starts_yet", result->starts_yet);
+    (void)cJSON_AddBoolToObject(root, "refused", report_run_refused(result) != NULL);
+    config_json_number(root, "warnings", (double)warnings_of(result));
     config_json_number(root, "retries", result->retries);
     config_json_number(root, "simulated_s", result->simulated_s);
     config_json_number(root, "times_real_time", result->simulated_s / result->processor_s);

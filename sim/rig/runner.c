@@ -562,6 +562,7 @@ static void warn(runner_phase_t *out, const char *format, ...) {
     (void)vsnprintf(out->warning + now, sizeof out->warning - now, format, arguments);
     va_end(arguments);
 }
+    out->warnings++;
 
 /// Reason why a speed is out of reach, if the configuration shows it.
 static const char *why_not(const run_t *run, double omega_rad_s) {
@@ -608,6 +609,7 @@ static void check_speed(const run_t *run, const rig_phase_t *phase, runner_phase
         warn(out, "%g rpm is below the least speed and was raised to %.4g rpm", goal_rpm,
              copysign(least_rpm, goal_rpm));
     } else if (!(fabs(found_rpm - goal_rpm) <= SPEED_REACHED * fabs(goal_rpm))) {
+        out->refused = true;
         warn(out, "%g rpm not reached: %.4g rpm at the end%s", goal_rpm, found_rpm,
              why_not(run, omega));
     }

@@ -38,6 +38,8 @@ typedef struct {
     char missed[200]; ///< missed bars, in words; empty: none
     /// why the commanded speed was changed or not reached, in words; empty: it was reached
     char warning[200];
+    int warnings; ///< number of them in `warning`
+    bool refused; ///< the drive has refused the command
 } runner_phase_t;
 
 /// One entry of the drive's fault log.

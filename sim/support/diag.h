@@ -9,8 +9,9 @@
 #endif
 
 typedef enum {
-    RIG_DONE = 0,     ///< done
-    RIG_FAILED = 1,   ///< drive faulted, missed a bar or never ran; decoded file damaged
+    RIG_DONE = 0, ///< done
+    RIG_FAILED =
+        1, ///< drive faulted, missed a bar, refused a command or never ran; decoded file damaged
     RIG_BAD_INPUT = 2 ///< the command line or a file is not usable
 } rig_exit_t;
 

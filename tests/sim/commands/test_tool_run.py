@@ -160,9 +160,9 @@ def failed_start(checks, folder):
 
 
 def warnings(checks, folder):
-    """Speeds that were changed or not reached are said, and are no failure; nor is a run without bars
-    called passed."""
-    folder.write("w.ini", f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n"
+    """Speeds that were changed or not reached are said, and are no failure, as a refused command is; nor is a run
+    without bars called passed."""
+    scenario = (f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n"
                           "[phase.up]\nduration_s = 3\nspeed_rpm = 300\n"
                           "[phase.held]\nduration_s = 1\ndyno_rpm = 300\nspeed_rpm = 600\n"
                           "[phase.slow]\nduration_s = 1\ndyno_rpm = free\nspeed_rpm = 50\n"
@@ -171,8 +171,10 @@ def warnings(checks, folder):
                           "[phase.refused]\nduration_s = 0.1\nspeed_rpm = -5000\n"
                           "[phase.back]\nduration_s = 2\nspeed_rpm = 600\n"
                           "[phase.stop]\nduration_s = 2\nspeed_rpm = 0\n")
+    folder.write("w.ini", scenario)
     done = folder.run("run", "w.ini", "--json", "w.json")
-    checks.equal(done.returncode, 0, f"exit code with warnings: {done.stdout}{done.stderr}")
+    checks.equal(done.returncode, 1, f"exit code with a refused command: {done.stdout}{done.stderr}")
+    checks.true("\nthe drive has refused a command, first in phase refused\n\nFAILED: " in done.stdout, done.stdout)
     result = folder.json("w.json")
     said = {phase["name"]: phase["warning"] for phase in result["phases"]}
     checks.equal(said["slow"], "50 rpm is below the least speed and was raised to 150 rpm", "slow")
@@ -184,11 +186,20 @@ def warnings(checks, folder):
         checks.equal(said[name], "", f"no warning in {name}")
     for text in said.values():
         checks.true(not text or f"    warning: {text}\n" in done.stdout, f"{text!r} in the table")
-    checks.true("\ndone, no bars set: " in done.stdout and "passed" not in done.stdout, "no bars")
+    checks.equal([result["passed"], result["refused"], result["warnings"]], [False, True, 4], "in JSON")
+    checks.true("times real time; 4 warnings above\n" in done.stdout, f"the last line: {done.stdout[-300:]}")
     checks.equal(result["bars_set"], False, "no bars in JSON")
+    done = folder.run("run", "w.ini", "--seeds", "1-2")
+    checks.equal(done.stdout.count(", a command was refused\n"), 2, f"a campaign of it: {done.stdout}")
     folder.run("run", "w.ini", "--json", "g.json", "--set", "guard.omega_max_rad_s=900")  # of 3 pole pairs
     checks.equal(folder.json("g.json")["phases"][5]["warning"], "the drive refuses -5000 rpm and keeps the previous command: "
                  "OVER_SPEED trips at 2865 rpm", "refused by the guard's limit")
+    folder.write("w.ini", scenario.replace("[phase.refused]\nduration_s = 0.1\nspeed_rpm = -5000\n", ""))
+    done = folder.run("run", "w.ini", "--json", "w.json")
+    checks.equal(done.returncode, 0, f"exit code with warnings: {done.stdout}{done.stderr}")
+    checks.true("\ndone, no bars set: " in done.stdout and "passed" not in done.stdout, "no bars")
+    checks.true("times real time; 3 warnings above\n" in done.stdout, f"the last line: {done.stdout[-300:]}")
+    checks.equal([folder.json("w.json")["refused"], folder.json("w.json")["warnings"]], [False, 3], "warnings in JSON")
     done = folder.run("run", "w.ini", "--json", "w.json", "--set", "phase.up.bar_speed_rpm=5")
     checks.true("\npassed: " in done.stdout, "a bar is set and met")
     checks.equal(folder.json("w.json")["bars_set"], True, "a bar in JSON")
