@@ -20,6 +20,7 @@ typedef struct {
     rig_config_t config;
     uint64_t passed;
     bool barred;  ///< the scenario sets a bar
+    bool random;  ///< seeds differ
     cJSON *cases; ///< NULL: no JSON wanted
     progress_t progress;
 } campaign_t;
@@ -46,10 +47,10 @@ static const char *verdict(const runner_result_t *result) {
     if (result->starts_yet) {
         return "RUN was lost";
     }
-    return result->missed ? "missed a bar" : "passed";
     if (report_run_refused(result) != NULL && !result->missed) {
         return "a command was refused";
     }
+    return result->missed ? "missed a bar" : "passed";
 }
 
 static void print_case(uint64_t seed, const case_t *one) {
@@ -148,10 +149,20 @@ static bool run_cases(campaign_t *self) {
 
 static rig_exit_t finish(const campaign_t *self, FILE *json, cJSON *root) {
     const uint64_t cases = self->options->seed_last - self->options->seed + 1;
-    (void)printf(
-        "\n%llu of %llu passed%s\n", (unsigned long long)self->passed, (unsigned long long)cases,
-        self->barred ? "" : " (no bars set: passed means no fault, and in RUN where commanded)");
+    (void)printf("\n%llu of %llu passed%s\n", (unsigned long long)self->passed,
+                 (unsigned long long)cases,
+                 self->barred ? ""
+                              : " (no bars set: passed means no fault, no refused command, and in "
+                                "RUN where commanded)");
+    if (!self->random && cases > 1u) {
+        (void)printf(
+            "Nothing in this run is random: that is %llu times the same run. [plant] may spread "
+            "values (Rs_spread,\ni_offset_spread_A, theta0_deg = random, ...) or add noise "
+            "(i_noise_A); `monte-carlo run --motors F.ini`\ntries many wrong parameters.\n",
+            (unsigned long long)cases);
+    }
     if (json != NULL) {
+        (void)cJSON_AddBoolToObject(root, "random", self->random);
         config_json_number(root, "cases", (double)cases);
         config_json_number(root, "passed", (double)self->passed);
         (void)config_json_write(json, root);
@@ -175,6 +186,7 @@ rig_exit_t campaign(const options_t *options) {
         !outputs_open(&json, options->json)) {
         return RIG_BAD_INPUT;
     }
+    self.random = rig_config_is_random(&self.config);
     cJSON *root = json != NULL ? cJSON_CreateObject() : NULL;
     self.cases = json != NULL ? cJSON_AddArrayToObject(root, "seeds") : NULL;
     if (!run_cases(&self)) {

@@ -501,3 +501,20 @@ bool rig_config_plant(const rig_config_t *config, plant_config_t *plant, double 
     }
     return why == NULL;
 }
+
+bool rig_config_is_random(const rig_config_t *config) {
+    static rig_config_t other; // large
+    plant_config_t plant[2];
+    double load_Nm[2];
+    other = *config;
+    other.scenario.seed += 1.0;
+    if (!rig_config_plant(config, &plant[0], &load_Nm[0]) ||
+        !rig_config_plant(&other, &plant[1], &load_Nm[1])) {
+        return true;
+    }
+    const bool noisy = plant[0].i_noise_A > 0.0 || plant[0].v_bus_noise_V > 0.0 ||
+                       plant[0].temperature_noise_degC > 0.0;
+    plant[1].seed = plant[0].seed;
+    return noisy || memcmp(&plant[0], &plant[1], sizeof plant[0]) != 0 ||
+           memcmp(&load_Nm[0], &load_Nm[1], sizeof load_Nm[0]) != 0;
+}

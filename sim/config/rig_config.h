@@ -258,3 +258,6 @@ lode_status_t rig_config_judge(const rig_config_t *config);
 bool rig_config_plant(const rig_config_t *config, plant_config_t *plant, double *extra_load_Nm);
 
 #endif
+/// False if every seed makes the same plant without noise. `config` makes a plant.
+bool rig_config_is_random(const rig_config_t *config);
+

@@ -205,6 +205,13 @@ def warnings(checks, folder):
     checks.equal(folder.json("w.json")["bars_set"], True, "a bar in JSON")
     done = folder.run("run", "w.ini", "--seeds", "1-2")
     checks.true("2 of 2 passed (no bars set" in done.stdout, "a campaign without bars")
+    # Two seeds of the same run say nothing of robustness.
+    same = "\nNothing in this run is random: that is 2 times the same run."
+    checks.true(same in done.stdout, done.stdout)
+    for key in ("i_noise_A=0.01", "theta0_deg=random", "Rs_spread=0.1", "i_offset_spread_A=0.01", "load_spread_Nm=0.1"):
+        done = folder.run("run", "w.ini", "--seeds", "1-2", "--set", f"plant.{key}", "--json", "n.json")
+        checks.equal([same in done.stdout, folder.json("n.json")["random"]], [False, True], f"with {key}")
+    checks.true("Nothing" not in folder.run("run", "w.ini", "--seeds", "1-1").stdout, "one seed alone")
 
 
 def never_ran(checks, folder):
@@ -243,7 +250,7 @@ def never_ran(checks, folder):
     done = folder.run("run", "n.ini", "--seeds", "1-2")
     checks.equal(done.returncode, 1, "exit code of a campaign")
     checks.equal(done.stdout.count(", RUN was never reached\n"), 2, f"its verdicts: {done.stdout}")
-    checks.true("\n0 of 2 passed (no bars set: passed means no fault, and in RUN where commanded)\n" in done.stdout, done.stdout)
+    checks.true("\n0 of 2 passed (no bars set: passed means no fault, no refused command, and in RUN where commanded)\n" in done.stdout, done.stdout)
     # Noise in which no start comes to its end.
     noisy = folder.run("run", "--motor", "traction_400V", "--drive", "traction_400V", "--set", "plant.i_noise_A=18", "--seeds", "1-4")
     checks.true("\n0 of 4 passed " in noisy.stdout, f"a motor that cannot start: {noisy.stdout}")
