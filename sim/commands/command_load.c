@@ -63,7 +63,10 @@ static bool load_motor(rig_config_t *config, const options_t *options) {
         report_no_speed(config, options->motor);
         return false;
     }
-    return take_sets(config, options, true);
+    const double start_s = config->scenario.phase[0].duration_s;
+    const bool good = take_sets(config, options, true);
+    trial_scenario_keep_start(config, start_s);
+    return good;
 }
 
 static bool load_scenario(rig_config_t *config, const options_t *options, const char *scenario) {

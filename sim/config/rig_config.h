@@ -145,8 +145,10 @@ typedef struct {
     char name[RIG_NAME_LENGTH];
     int line[RIG_PHASE_KEYS_MAX]; ///< where each key was given, 0: nowhere
     double duration_s;
-    int mode;             ///< index into the list of mode names, -1: as before
-    double speed_rpm;     ///< commanded
+    double settled_s; ///< no key: ends once the speed has been reached for so long; 0: it does not
+    double about_s;   ///< no key: how long that is expected to take
+    int mode;         ///< index into the list of mode names, -1: as before
+    double speed_rpm; ///< commanded
     double commanded_rpm; ///< no key: the value from which speed_rpm was lowered; 0: not lowered
     int control;          ///< lode_control_t, -1: as before
     double torque_Nm;     ///< commanded, torque control
@@ -257,7 +259,7 @@ lode_status_t rig_config_judge(const rig_config_t *config);
 /// after a message.
 bool rig_config_plant(const rig_config_t *config, plant_config_t *plant, double *extra_load_Nm);
 
-#endif
 /// False if every seed makes the same plant without noise. `config` makes a plant.
 bool rig_config_is_random(const rig_config_t *config);
 
+#endif

@@ -7,7 +7,11 @@
 #include "config/speed_limits.h"
 #include "support/units.h"
 
-#define SETTLE_s 1.0   // for the speed to settle after its ramp, and for the evaluation window
+#define SETTLE_s                                                                                   \
+    1.0 // for the speed to settle after its ramp, and for the evaluation window; at least
+// The same in time constants of speed control, whose double pole lies at half its bandwidth, and the window.
+#define SETTLE_CONSTANTS 12.0
+#define WINDOW_s 0.4
 #define BASE_SHARE 0.9 // of the base speed: room for a load step
 #define LOAD_SHARE 0.5 // of the torque at i_max
 // Largest electrical acceleration by a load step, over sigma^2: about 10 degrees of error.
@@ -16,6 +20,8 @@
 #define RAMP_RESERVE 2.0    // a load and the current limit make ramps longer
 #define ROUNDING 1.0e-3     // of a printed load
 #define START_SHARE_s 0.5   // of the start's time-out, which allows for three attempts
+#define BEFORE_RAMP_s 1.0   // of a start that needs one attempt
+#define NEAR_RATED 0.99
 
 static void add(rig_config_t *config, const char *name, double duration_s, double speed_rpm,
                 double load_Nm) {
@@ -38,6 +44,26 @@ static double most_Nm(const lode_drive_config_t *drive) {
     return (double)lode_motor_kt_Nm_A(&drive->motor) * (double)drive->inverter.i_max_A;
 }
 
+/// After a load step, until the speed is back.
+static double settle_s(const lode_drive_config_t *drive) {
+    const double bandwidth = (double)drive->speed.kp_Nms / (double)drive->motor.J_kgm2;
+    return fmax(SETTLE_s, SETTLE_CONSTANTS / bandwidth + WINDOW_s);
+}
+
+/// From the vector's full speed to rest, or the other way.
+static double turning_s(const lode_drive_config_t *drive) {
+    return RAMP_RESERVE * (double)drive->start.omega_handover_rad_s /
+           (double)drive->start.ramp_rad_s2;
+}
+
+static void add_start(rig_config_t *config, double speed_rpm) {
+    const lode_drive_config_t *drive = &config->drive;
+    const double settle = settle_s(drive);
+    add(config, "start", settle + START_SHARE_s * (double)drive->start.timeout_s, speed_rpm, 0.0);
+    config->scenario.phase[0].settled_s = settle;
+    config->scenario.phase[0].about_s = settle + BEFORE_RAMP_s + turning_s(drive);
+}
+
 bool trial_scenario(rig_config_t *config) {
     const lode_drive_config_t *drive = &config->drive;
     const double np = (double)drive->motor.pole_pairs;
@@ -57,28 +83,58 @@ bool trial_scenario(rig_config_t *config) {
     const double followed_Nm = STEP_SHARE * sigma * sigma * (double)drive->motor.J_kgm2 / np;
     const double load_Nm = fmin(fmin(LOAD_SHARE * most_Nm(drive), followed_Nm),
                                 step_Nm(drive, np * rig_rad_s_from_rpm(full)));
-    const double rise_s = SETTLE_s + RAMP_RESERVE * full / ramp_rpm_s;
-    add(config, "start", SETTLE_s + START_SHARE_s * (double)drive->start.timeout_s, slow, 0.0);
+    const double settle = settle_s(drive);
+    const double rise_s = settle + RAMP_RESERVE * full / ramp_rpm_s;
+    add_start(config, slow);
     if (slow < 0.5 * full) {
         add(config, "half_speed", rise_s, 0.5 * full, 0.0);
     }
     add(config, "full_speed", rise_s, full, 0.0);
     config->scenario.phase[config->scenario.phases - 1].commanded_rpm =
         commanded > most ? commanded : 0.0;
-    add(config, "load", SETTLE_s, full, load_Nm);
-    add(config, "no_load", SETTLE_s, full, 0.0);
-    add(config, "stop", rise_s, 0.0, 0.0);
+    add(config, "load", settle, full, load_Nm);
+    add(config, "no_load", settle, full, 0.0);
+    add(config, "stop", rise_s + turning_s(drive), 0.0, 0.0);
     return true;
+}
+
+void trial_scenario_keep_start(rig_config_t *config, double duration_s) {
+    rig_phase_t *start = &config->scenario.phase[0];
+    start->settled_s =
+        start->duration_s > duration_s || start->duration_s < duration_s ? 0.0 : start->settled_s;
+}
+
+static const rig_phase_t *find(const rig_config_t *config, const char *name) {
+    const rig_phase_t *found = NULL;
+    for (int k = 0; k < config->scenario.phases; ++k) {
+        if (strcmp(config->scenario.phase[k].name, name) == 0) {
+            found = &config->scenario.phase[k];
+        }
+    }
+    return found;
+}
+
+/// A full speed that the voltage keeps below rated speed.
+static void print_full_speed(FILE *file, const rig_config_t *config) {
+    const lode_drive_config_t *drive = &config->drive;
+    const double np = (double)drive->motor.pole_pairs;
+    const double rated_rpm = rig_rpm_from_rad_s((double)drive->motor.omega_rated_rad_s) / np;
+    const double base_rpm = rig_rpm_from_rad_s(speed_limits_of(drive).base_rad_s) / np;
+    const rig_phase_t *full = find(config, "full_speed");
+    const bool by_voltage =
+        full != NULL && fabs(full->speed_rpm / (BASE_SHARE * base_rpm) - 1.0) < ROUNDING;
+    if (by_voltage && full->speed_rpm < NEAR_RATED * rated_rpm) {
+        (void)fprintf(file,
+                      "full speed of the trial: %.0f of the rated %.0f rpm: bus voltage; it is %g "
+                      "of the base speed of %.0f rpm\n",
+                      full->speed_rpm, rated_rpm, BASE_SHARE, base_rpm);
+    }
 }
 
 void trial_scenario_print(FILE *file, const rig_config_t *config) {
     const lode_drive_config_t *drive = &config->drive;
-    const rig_phase_t *load = NULL;
-    for (int k = 0; k < config->scenario.phases; ++k) {
-        if (strcmp(config->scenario.phase[k].name, "load") == 0) {
-            load = &config->scenario.phase[k];
-        }
-    }
+    const rig_phase_t *load = find(config, "load");
+    print_full_speed(file, config);
     if (load == NULL) {
         return;
     }

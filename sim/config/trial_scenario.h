@@ -17,7 +17,11 @@
 /// speed at i_max.
 bool trial_scenario(rig_config_t *config);
 
-/// Prints a line with the load and the largest load step at that speed.
+/// The start lasts as long as it takes, and `duration_s` at most. A duration that was set since lasts whole.
+void trial_scenario_keep_start(rig_config_t *config, double duration_s);
+
+/// Prints a line with the load and the largest load step at that speed, before it one with the full speed if the voltage
+/// keeps it below rated speed.
 void trial_scenario_print(FILE *file, const rig_config_t *config);
 
 #endif

@@ -39,6 +39,7 @@ typedef struct {
     double speed_rpm;      ///< present command
     double speed_goal_rpm; ///< end of the ramp of the command
     double speed_step_rpm; ///< per period
+    double rotor_rpm;
     lode_mode_t mode;
     bool driven; ///< the gates were on in the period of which the estimate uses the voltage
     bool faulted;
@@ -561,8 +562,8 @@ static void warn(runner_phase_t *out, const char *format, ...) {
     va_start(arguments, format);
     (void)vsnprintf(out->warning + now, sizeof out->warning - now, format, arguments);
     va_end(arguments);
-}
     out->warnings++;
+}
 
 /// Reason why a speed is out of reach, if the configuration shows it.
 static const char *why_not(const run_t *run, double omega_rad_s) {
@@ -579,6 +580,15 @@ static const char *why_not(const run_t *run, double omega_rad_s) {
     return "";
 }
 
+/// Warns of a stop that is not over.
+static void check_stop(const run_t *run, runner_phase_t *out) {
+    const bool stops = run->command.mode == LODE_MODE_RUN && run->speed_goal_rpm == 0.0 &&
+                       out->mode == LODE_MODE_START;
+    if (stops && !run->held) {
+        warn(out, "0 rpm not reached: %.4g rpm at the end, in START", run->rotor_rpm);
+    }
+}
+
 /// Warns of a commanded speed that the drive changed or did not reach. No speed is expected of a shaft held by
 /// a dynamometer, at a stop, with torque control, or after a fault.
 static void check_speed(const run_t *run, const rig_phase_t *phase, runner_phase_t *out) {
@@ -587,6 +597,7 @@ static void check_speed(const run_t *run, const rig_phase_t *phase, runner_phase
     const double omega = fabs(rig_rad_s_from_rpm(goal_rpm)) * np;
     const bool commanded = run->command.mode == LODE_MODE_RUN &&
                            run->command.control == LODE_CONTROL_SPEED && omega > 0.0;
+    check_stop(run, out);
     if (run->held || run->faulted || !commanded) {
         return;
     }
@@ -598,6 +609,7 @@ static void check_speed(const run_t *run, const rig_phase_t *phase, runner_phase
     const double trip_rad_s = (double)run->config->drive.guard.omega_max_rad_s;
     if (omega > fmin(trip_rad_s, run->limits.estimator_rad_s)) {
         const bool by_guard = trip_rad_s < run->limits.estimator_rad_s;
+        out->refused = true;
         warn(out, "the drive refuses %g rpm and keeps the previous command: %s %.4g rpm", goal_rpm,
              by_guard ? "OVER_SPEED trips at" : "the estimator's limit is",
              by_guard ? rig_rpm_from_rad_s(trip_rad_s) / np : most_rpm);
@@ -609,7 +621,6 @@ static void check_speed(const run_t *run, const rig_phase_t *phase, runner_phase
         warn(out, "%g rpm is below the least speed and was raised to %.4g rpm", goal_rpm,
              copysign(least_rpm, goal_rpm));
     } else if (!(fabs(found_rpm - goal_rpm) <= SPEED_REACHED * fabs(goal_rpm))) {
-        out->refused = true;
         warn(out, "%g rpm not reached: %.4g rpm at the end%s", goal_rpm, found_rpm,
              why_not(run, omega));
     }
@@ -639,6 +650,7 @@ static bool run_period(run_t *run, int index, runner_phase_t *out, bool in_windo
         capture_step(run->log->capture, run->rig.drive);
     }
     note_changes(run, &now.at);
+    run->rotor_rpm = rig_rpm_from_rad_s(now.at.truth.omega_m_rad_s);
     if (!is_in_map(run, &now.at.truth)) {
         return false;
     }
@@ -647,17 +659,42 @@ static bool run_period(run_t *run, int index, runner_phase_t *out, bool in_windo
     const bool good = run->k % run->log_every != 0 || log_row(run, index, &now);
     run->k++;
     if (run->k % PERIODS_PER_PROGRESS == 0) {
-        progress_show(&run->progress, (double)run->k * run->ts_s / run->total_s, out->name);
+        progress_show(&run->progress, fmin((double)run->k * run->ts_s / run->total_s, 1.0),
+                      out->name);
     }
     return good;
+}
+
+/// The periods of a phase: how many, from which on steady values count, and how many in a row the speed has been
+/// reached.
+typedef struct {
+    uint64_t end, from, reached;
+} span_t;
+
+static span_t span_of(const run_t *run, const rig_phase_t *phase) {
+    const uint64_t periods = (uint64_t)llround(phase->duration_s / run->ts_s);
+    const uint64_t window = (uint64_t)llround(RUNNER_WINDOW_s / run->ts_s);
+    return (span_t){.end = periods, .from = periods > window ? periods - window : 0};
+}
+
+/// Ends a phase that lasts until its speed has settled, after one more window. `k`: the present period.
+static void shorten(const run_t *run, const rig_phase_t *phase, uint64_t k, span_t *span) {
+    const uint64_t window = (uint64_t)llround(RUNNER_WINDOW_s / run->ts_s);
+    const double off_rpm = fabs(run->rotor_rpm - run->speed_goal_rpm);
+    const bool reached = run->mode == LODE_MODE_RUN && run->rig.drive->gates &&
+                         off_rpm <= SPEED_REACHED * fabs(run->speed_goal_rpm);
+    span->reached = reached ? span->reached + 1u : 0u;
+    if (phase->settled_s > 0.0 && k < span->from &&
+        (double)(span->reached + window) * run->ts_s >= phase->settled_s) {
+        span->from = k + 1u;
+        span->end = span->from + window;
+    }
 }
 
 static bool run_phase(run_t *run, int index) {
     const rig_phase_t *phase = &run->config->scenario.phase[index];
     runner_phase_t *out = &run->result->phase[index];
-    const uint64_t periods = (uint64_t)llround(phase->duration_s / run->ts_s);
-    const uint64_t window = (uint64_t)llround(RUNNER_WINDOW_s / run->ts_s);
-    const uint64_t window_from = periods > window ? periods - window : 0;
+    span_t span = span_of(run, phase);
     bool good = retune(run, phase);
     (void)snprintf(out->name, sizeof out->name, "%s", phase->name);
     out->start_s = (double)run->k * run->ts_s;
@@ -672,10 +709,11 @@ static bool run_phase(run_t *run, int index) {
     }
     apply_to_command(run, phase);
     note_command(run, phase);
-    for (; good && k < periods; ++k) {
-        good = run_period(run, index, out, k >= window_from);
+    for (; good && k < span.end; ++k) {
+        good = run_period(run, index, out, k >= span.from);
+        shorten(run, phase, k, &span);
     }
-    if (out->error_deg.count < periods - window_from) {
+    if (out->error_deg.count < span.end - span.from) {
         rig_stats_reset(&out->error_deg);
     }
     out->end_s = (double)run->k * run->ts_s;
@@ -806,7 +844,9 @@ static bool start(run_t *run) {
     run->command = (lode_command_t){.mode = LODE_MODE_RUN};
     run->mode = LODE_MODE_OFF;
     for (int k = 0; k < scenario->phases; ++k) {
-        run->total_s += scenario->phase[k].duration_s;
+        const rig_phase_t *phase = &scenario->phase[k];
+        run->total_s +=
+            phase->settled_s > 0.0 ? fmin(phase->about_s, phase->duration_s) : phase->duration_s;
         run->result->barred = run->result->barred || is_barred(&scenario->phase[k]);
     }
     const double log_s = isnan(scenario->log_s) ? run->total_s / (double)LOG_ROWS : scenario->log_s;

@@ -2,6 +2,7 @@
 import json
 import math
 import pathlib
+import re
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
@@ -394,6 +395,32 @@ def heavy(checks, folder):
     checks.true(rows and not any("nan" in row or " -" in row for row in rows), f"loops of analyse: {rows}")
 
 
+def heavy_trial(checks, folder):
+    """Phases that fit a slow loop: a start no longer than it takes, loads until the speed is back, a stop that comes to rest."""
+    folder.write("m.ini", HEAVY)
+    def trial(*arguments):
+        done = folder.run("run", "--motor", "m.ini", *arguments, "--json", "t.json")
+        checks.equal(done.returncode, 0, f"{arguments}: {done.stdout}{done.stderr}")
+        result = folder.json("t.json")
+        return done.stdout, {p["name"]: p for p in result["phases"]}, result
+
+    text, phases, result = trial()
+    checks.equal([p["warning"] for p in phases.values() if p["warning"]], [], "warnings")
+    checks.equal(result["warnings"], 0, "their number")
+    start = phases["start"]
+    checks.at_most(start["end_s"] - result["handover_s"], 4.0, "what remains of the start after the hand-over, s")
+    checks.at_most(abs(start["speed_rpm"]["mean"] / 240 - 1), 0.002, f"start: {start}")
+    checks.true(12 / 5 < phases["load"]["end_s"] - phases["load"]["start_s"] < 12 / 4, f"12 time constants and more: {phases['load']}")
+    checks.equal(phases["stop"]["mode"], "OFF", "the stop")
+    checks.true("\nfull speed of the trial: 241 of the rated 1200 rpm: bus voltage; it is 0.9 of the base speed of 267 rpm\n" in text, text)
+    text, phases, result = trial("--set", "phase.start.duration_s=12", "--set", "phase.stop.duration_s=2")
+    checks.at_most(abs(phases["start"]["end_s"] - 12), 1e-3, "a duration that was set lasts whole")
+    checks.true(re.search(r"^0 rpm not reached: \d+(\.\d+)? rpm at the end, in START$", phases["stop"]["warning"]), f"a stop of 2 s: {phases['stop']}")
+    checks.true("; 1 warning above\n" in text, text[-300:])
+    text, phases, _ = trial("--set", "motor.speed_rated_rpm=200", "--set", "motor.J_kgm2=0.02")
+    checks.true("full speed of the trial" not in text, "a rated speed that is reached")
+
+
 def injection(checks, folder):
     """Whether signal injection is possible, and what it would be, worked out here for paper 1's motor."""
     command = ["design", "--motor", "jiang2022", "--drive", "jiang2022", "--set", "hfi.noise_A=0.02",
@@ -702,6 +729,7 @@ def main():
         full_speed(checks, folder)
         trial_load(checks, folder)
         heavy(checks, folder)
+        heavy_trial(checks, folder)
         injection(checks, folder)
         signal_check(checks, folder)
         plausible(checks, folder)
