@@ -1,5 +1,6 @@
 #include "commands/command_faults.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,6 +33,19 @@ static const struct {
 };
 enum { ADDED = sizeof added / sizeof added[0] };
 
+/// A case, or some bits of it.
+typedef struct {
+    uint64_t number; ///< of the case
+    bool by_bit;
+    uint64_t first, last; ///< bits
+} piece_t;
+
+/// Result of a piece. It passes through a pipe, so it holds no pointers.
+typedef struct {
+    fault_result_t result;
+    uint64_t silent; ///< bit n: the piece's bit first + n was silent
+} answer_t;
+
 typedef struct {
     const options_t *options;
     int kinds;
@@ -40,11 +54,18 @@ typedef struct {
     char motor[MOTORS_MAX][NAMES_LENGTH];
     fault_bench_t *bench[MOTORS_MAX];
     inject_place_t place;
-    fault_result_t *result; ///< [motor][kind][point]
+    bool by_bit;                  ///< --bits: each bit of a range instead of some random ones
+    bool whole;                   ///< every bit
+    uint64_t first_bit, last_bit; ///< the range otherwise
+    piece_t *piece;               ///< of work
+    uint64_t pieces;
+    fault_result_t *result;   ///< [motor][kind][point]
+    report_faults_bit_t *bit; ///< silent ones
+    int bits;
     progress_t progress;
 } faults_t;
 
-typedef char result_fits[sizeof(fault_result_t) <= WORKERS_RESULT_MAX ? 1 : -1];
+typedef char answer_fits[sizeof(answer_t) <= WORKERS_RESULT_MAX ? 1 : -1];
 
 // ---- Input --------------------------------------------------------------------------------------
 
@@ -74,6 +95,47 @@ static bool take_kinds(faults_t *self) {
         self->kind[self->kinds++] = &inject_kinds[k];
     }
     return true;
+}
+
+static bool take_range(faults_t *self, const char *text) {
+    char *end = NULL;
+    if (isdigit((unsigned char)text[0]) != 0) {
+        self->first_bit = strtoull(text, &end, 10);
+    }
+    if (end == NULL || end[0] != '-' || isdigit((unsigned char)end[1]) == 0) {
+        return false;
+    }
+    self->last_bit = strtoull(end + 1, &end, 10);
+    return end[0] == '\0' && self->first_bit <= self->last_bit;
+}
+
+/// After the kinds, which must have the bits.
+static bool take_bits(faults_t *self) {
+    const char *text = self->options->bits;
+    self->by_bit = text != NULL && strcmp(text, "random") != 0;
+    self->whole = self->by_bit && strcmp(text, "every") == 0;
+    if (!self->by_bit) {
+        return true;
+    }
+    if (!self->whole && !take_range(self, text)) {
+        rig_error("--bits %s: expected random, every, or numbers as in 0-63", text);
+        return false;
+    }
+    int flips = 0;
+    for (int k = 0; k < self->kinds; ++k) {
+        const uint64_t bits = inject_bits(self->kind[k]);
+        flips += bits > 0u ? 1 : 0;
+        if (bits > 0u && !self->whole && self->last_bit >= bits) {
+            rig_error("--bits %s: %s has the bits 0 to %llu; expected some of them", text,
+                      self->kind[k]->name, (unsigned long long)(bits - 1u));
+            return false;
+        }
+    }
+    if (flips == 0) {
+        rig_error("--bits %s: expected a kind that flips bits in --kinds, such as flip-state",
+                  text);
+    }
+    return flips > 0;
 }
 
 static const struct {
@@ -173,39 +235,102 @@ static uint64_t cases_of(const faults_t *self) {
     return (uint64_t)self->motors * (uint64_t)self->kinds * FAULT_POINTS;
 }
 
+static const inject_kind_t *kind_of(const faults_t *self, uint64_t number) {
+    return self->kind[number / FAULT_POINTS % (uint64_t)self->kinds];
+}
+
+static const fault_bench_t *bench_of(const faults_t *self, uint64_t number) {
+    return self->bench[number / FAULT_POINTS / (uint64_t)self->kinds];
+}
+
+/// The pieces of a case: one, or with --bits one for every FAULT_BITS_MAX bits. Adds them if `piece` is not NULL; returns
+/// how many there are.
+static uint64_t split(const faults_t *self, uint64_t number, piece_t *piece) {
+    const inject_kind_t *kind = kind_of(self, number);
+    const uint64_t bits = inject_bits(kind);
+    const bool by_bit = self->by_bit && bits > 0u;
+    const uint64_t last = self->whole && by_bit ? bits - 1u : self->last_bit;
+    uint64_t pieces = 0u;
+    uint64_t first = by_bit ? self->first_bit : last;
+    for (; first <= last; first += FAULT_BITS_MAX) {
+        const uint64_t to =
+            last - first < FAULT_BITS_MAX ? last : first + (uint64_t)FAULT_BITS_MAX - 1u;
+        if (piece != NULL) {
+            piece[pieces] = (piece_t){number, by_bit, first, to};
+        }
+        ++pieces;
+    }
+    return pieces;
+}
+
 static bool work(void *user, uint64_t number, void *into) {
     faults_t *self = user;
-    const uint64_t point = number % FAULT_POINTS;
-    const uint64_t kind = number / FAULT_POINTS % (uint64_t)self->kinds;
-    const uint64_t motor = number / FAULT_POINTS / (uint64_t)self->kinds;
+    const piece_t *piece = &self->piece[number];
+    const fault_bench_t *bench = bench_of(self, piece->number);
+    const inject_kind_t *kind = kind_of(self, piece->number);
+    const fault_point_t point = (fault_point_t)(piece->number % FAULT_POINTS);
     const uint64_t seed = self->options->has_seed ? self->options->seed : 1u;
-    fault_result_t result = {.found = LODE_CHECK_NONE};
-    if (!self->bench[motor]->left_out[point]) {
-        result = fault_case_run(self->bench[motor], self->kind[kind], self->place,
-                                (fault_point_t)point, seed);
+    answer_t answer = {.result = {.found = LODE_CHECK_NONE}};
+    if (bench->left_out[point]) {
+        // no result
+    } else if (piece->by_bit) {
+        answer.result =
+            fault_case_bits(bench, kind, point, piece->first, piece->last, &answer.silent);
+    } else {
+        answer.result = fault_case_run(bench, kind, self->place, point, seed);
     }
-    memcpy(into, &result, sizeof result);
+    memcpy(into, &answer, sizeof answer);
     return true;
+}
+
+static void note_bits(faults_t *self, const piece_t *piece, uint64_t silent) {
+    for (uint64_t n = 0u; n < FAULT_BITS_MAX; ++n) {
+        if ((silent >> n & 1u) != 0u) {
+            self->bit[self->bits++] =
+                (report_faults_bit_t){.number = piece->number, .bit = piece->first + n};
+        }
+    }
 }
 
 static void take(void *user, uint64_t number, const void *from) {
     faults_t *self = user;
-    memcpy(&self->result[number], from, sizeof self->result[number]);
-    progress_show(&self->progress, (double)(number + 1u) / (double)cases_of(self), "of the cases");
+    const piece_t *piece = &self->piece[number];
+    fault_result_t *result = &self->result[piece->number];
+    answer_t answer;
+    memcpy(&answer, from, sizeof answer);
+    *result = result->tried > 0 ? fault_case_both(result, &answer.result) : answer.result;
+    note_bits(self, piece, answer.silent);
+    progress_show(&self->progress, (double)(number + 1u) / (double)self->pieces, "of the cases");
+}
+
+static bool plan(faults_t *self) {
+    for (uint64_t number = 0u; number < cases_of(self); ++number) {
+        self->pieces += split(self, number, NULL);
+    }
+    self->result = calloc(cases_of(self), sizeof *self->result);
+    self->piece = calloc(self->pieces, sizeof *self->piece);
+    self->bit = calloc(self->pieces * FAULT_BITS_MAX, sizeof *self->bit);
+    if (self->result == NULL || self->piece == NULL || self->bit == NULL) {
+        rig_error("faults: out of memory");
+        return false;
+    }
+    piece_t *piece = self->piece;
+    for (uint64_t number = 0u; number < cases_of(self); ++number) {
+        piece += split(self, number, piece);
+    }
+    return true;
 }
 
 static bool run_all(faults_t *self) {
+    if (!plan(self)) {
+        return false;
+    }
     const workers_t workers = {.first = 0u,
-                               .last = cases_of(self) - 1u,
+                               .last = self->pieces - 1u,
                                .processes = self->options->jobs,
                                .user = self,
                                .work = work,
                                .take = take};
-    self->result = calloc(cases_of(self), sizeof *self->result);
-    if (self->result == NULL) {
-        rig_error("faults: out of memory");
-        return false;
-    }
     progress_start(&self->progress);
     const bool good = workers_run(&workers);
     (void)progress_end(&self->progress);
@@ -221,7 +346,11 @@ static report_faults_t report_of(const faults_t *self, int motor) {
                              .bench = self->bench[motor],
                              .kind = self->kind,
                              .kinds = self->kinds,
-                             .result = &self->result[first]};
+                             .result = &self->result[first],
+                             .by_bit = self->by_bit,
+                             .first = first,
+                             .bit = self->bit,
+                             .bits = self->bits};
 }
 
 static int write_all(const faults_t *self, FILE *page, FILE *json) {
@@ -263,7 +392,7 @@ static void explain(void) {
 static rig_exit_t run(faults_t *self) {
     FILE *page = NULL;
     FILE *json = NULL;
-    if (!take_kinds(self) || !take_place(self) || !take_motors(self) ||
+    if (!take_kinds(self) || !take_bits(self) || !take_place(self) || !take_motors(self) ||
         !outputs_open(&json, self->options->json) || !outputs_open(&page, self->options->out) ||
         !run_all(self)) {
         return RIG_BAD_INPUT;
@@ -286,5 +415,7 @@ rig_exit_t command_faults(const options_t *options) {
         free(self.bench[n]);
     }
     free(self.result);
+    free(self.piece);
+    free(self.bit);
     return code;
 }

@@ -15,7 +15,7 @@ static const struct {
     {FAULT_HARM_HEAT, "heat"},          {FAULT_HARM_STUCK, "does not run"},
     {FAULT_HARM_DIP, "the speed dips"},
 };
-enum { HARMS = sizeof harms / sizeof harms[0] };
+enum { HARMS = sizeof harms / sizeof harms[0], BITS_SHOWN = 40 };
 
 static void harm_words(int harm, char *text, size_t size) {
     text[0] = '\0';
@@ -78,6 +78,53 @@ static void print_cell(FILE *file, const fault_result_t *one) {
     (void)fprintf(file, " |");
 }
 
+/// Without the number of variants in parentheses, which another number replaces.
+static void print_what(FILE *file, const report_faults_t *report, int k) {
+    const char *what = report->kind[k]->what;
+    const bool by_bit = report->by_bit && inject_bits(report->kind[k]) > 0u;
+    const int length = (int)(by_bit ? strcspn(what, "(") - 1u : strlen(what));
+    (void)fprintf(file, "| %.*s |", length, what);
+}
+
+/// The silent bits of a case, as OFFSET.BIT; returns how many.
+static int print_bits(FILE *file, const report_faults_t *report, int n) {
+    const inject_kind_t *kind = report->kind[n / FAULT_POINTS];
+    int bits = 0;
+    for (int k = 0; k < report->bits; ++k) {
+        const report_faults_bit_t *one = &report->bit[k];
+        if (one->number != report->first + (uint64_t)n) {
+            continue;
+        }
+        if (bits == 0) {
+            (void)fprintf(file, "Silent bits of %s at %s:", kind->name,
+                          fault_point_name[n % FAULT_POINTS]);
+        }
+        if (bits < BITS_SHOWN) {
+            (void)fprintf(file, " %zu.%u", inject_offset(kind, one->bit),
+                          (unsigned)(one->bit % 8u));
+        }
+        ++bits;
+    }
+    if (bits > BITS_SHOWN) {
+        (void)fprintf(file, " and %d more, see --json", bits - BITS_SHOWN);
+    }
+    (void)fputs(bits > 0 ? ".\n\n" : "", file);
+    return bits;
+}
+
+static void print_silent_bits(FILE *file, const report_faults_t *report) {
+    int bits = 0;
+    for (int n = 0; n < report->kinds * FAULT_POINTS; ++n) {
+        bits += print_bits(file, report, n);
+    }
+    if (bits > 0) {
+        (void)fputs("A silent bit: the offset of its octet in lode_drive_t (state, mode), "
+                    "lode_drive_tuning_t or lode_order_t of this build, a point, and its number "
+                    "in the octet.\n\n",
+                    file);
+    }
+}
+
 int report_faults_table(FILE *file, const report_faults_t *report) {
     const lode_drive_config_t *drive = &report->bench->config.drive;
     const int points = points_of(report->bench);
@@ -98,7 +145,7 @@ int report_faults_table(FILE *file, const report_faults_t *report) {
     }
     (void)fprintf(file, "\n|---|---|---|---|---|---|---|\n");
     for (int k = 0; k < report->kinds; ++k) {
-        (void)fprintf(file, "| %s |", report->kind[k]->what);
+        print_what(file, report, k);
         for (int point = 0; point < FAULT_POINTS; ++point) {
             const fault_result_t *one = &report->result[k * FAULT_POINTS + point];
             print_cell(file, one);
@@ -113,6 +160,7 @@ int report_faults_table(FILE *file, const report_faults_t *report) {
         (void)fprintf(
             file, "-: left out, because the speed does not settle there even without a fault.\n\n");
     }
+    print_silent_bits(file, report);
     return silent;
 }
 
@@ -154,6 +202,24 @@ cJSON *report_faults_json_root(void) {
     return root;
 }
 
+static void add_bits(cJSON *item, const report_faults_t *report, int n) {
+    const inject_kind_t *kind = report->kind[n / FAULT_POINTS];
+    if (!report->by_bit || inject_bits(kind) == 0u) {
+        return;
+    }
+    cJSON *bits = cJSON_AddArrayToObject(item, "silent_bits");
+    for (int k = 0; k < report->bits; ++k) {
+        const report_faults_bit_t *one = &report->bit[k];
+        if (one->number == report->first + (uint64_t)n) {
+            cJSON *bit = config_json_item(bits);
+            (void)cJSON_AddStringToObject(bit, "at", fault_point_name[n % FAULT_POINTS]);
+            config_json_number(bit, "number", (double)one->bit);
+            config_json_number(bit, "offset", (double)inject_offset(kind, one->bit));
+            config_json_number(bit, "bit", (double)(one->bit % 8u));
+        }
+    }
+}
+
 void report_faults_json(cJSON *root, const report_faults_t *report) {
     cJSON *cases = root != NULL ? cJSON_GetObjectItem(root, "cases") : NULL;
     for (int n = 0; cases != NULL && n < report->kinds * FAULT_POINTS; ++n) {
@@ -177,5 +243,6 @@ void report_faults_json(cJSON *root, const report_faults_t *report) {
         config_json_number(item, "given_up", one->given_up);
         config_json_number(item, "tried", one->tried);
         config_json_number(item, "silent_of_tried", one->silent);
+        add_bits(item, report, n);
     }
 }

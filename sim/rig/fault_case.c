@@ -220,19 +220,18 @@ static int harm_now(const fault_bench_t *self, const rig_t *rig, fault_point_t p
            (last->heat_s >= HOLD_s ? FAULT_HARM_HEAT : 0);
 }
 
-static fault_result_t run_one(const fault_bench_t *self, const inject_kind_t *kind,
-                              inject_place_t place, fault_point_t point, uint64_t seed) {
+static fault_result_t run_one(const fault_bench_t *self, const inject_t *fault,
+                              fault_point_t point) {
     static rig_t rig; // large
     const bool running = point >= FAULT_AT_10;
     const double ts_s = self->plant.period_s;
     fault_result_t result = {.found = LODE_CHECK_NONE, .found_s = NAN, .tried = 1};
     lasting_t last = {.rotor_s = 0.0};
-    inject_t inject;
+    inject_t inject = *fault;
     double turned_rad = 0.0;
     double ran_s = 0.0;
     rig_copy(&rig, &self->at[point]);
     uint_least8_t losses = rig.drive->losses;
-    inject_init(&inject, kind, place, &self->config, &self->plant, seed);
     if (point <= FAULT_AT_START) {
         command(&rig, self->speed_rad_s[FAULT_AT_50]);
     }
@@ -288,19 +287,42 @@ static bool is_worse(const fault_result_t *a, const fault_result_t *b) {
     return isnan(b->found_s) ? !isnan(a->found_s) : a->found_s > b->found_s;
 }
 
+fault_result_t fault_case_both(const fault_result_t *a, const fault_result_t *b) {
+    fault_result_t worst = is_worse(b, a) ? *b : *a;
+    worst.tried = a->tried + b->tried;
+    worst.silent = a->silent + b->silent;
+    return worst;
+}
+
 #define FLIPS 16
 
 fault_result_t fault_case_run(const fault_bench_t *self, const inject_kind_t *kind,
                               inject_place_t place, fault_point_t point, uint64_t seed) {
-    fault_result_t worst = run_one(self, kind, place, point, seed * FLIPS);
-    int silent = worst.silent;
-    const int tries = inject_is_random(kind) ? FLIPS : 1;
-    for (int k = 1; k < tries; ++k) {
-        const fault_result_t one = run_one(self, kind, place, point, seed * FLIPS + (uint64_t)k);
-        silent += one.silent;
-        worst = is_worse(&one, &worst) ? one : worst;
+    inject_t fault;
+    inject_init(&fault, kind, place, &self->config, &self->plant, seed * FLIPS);
+    fault_result_t worst = run_one(self, &fault, point);
+    const uint64_t tries = inject_is_random(kind) ? FLIPS : 1u;
+    for (uint64_t k = 1u; k < tries; ++k) {
+        fault.seed = seed * FLIPS + k;
+        const fault_result_t one = run_one(self, &fault, point);
+        worst = fault_case_both(&worst, &one);
     }
-    worst.tried = tries;
-    worst.silent = silent;
+    return worst;
+}
+
+fault_result_t fault_case_bits(const fault_bench_t *self, const inject_kind_t *kind,
+                               fault_point_t point, uint64_t first, uint64_t last,
+                               uint64_t *silent) {
+    const inject_place_t nowhere = {.leg = 0};
+    fault_result_t worst = {.tried = 0};
+    inject_t fault;
+    inject_init(&fault, kind, nowhere, &self->config, &self->plant, 0u);
+    *silent = 0u;
+    for (uint64_t n = 0u; n < FAULT_BITS_MAX && first + n <= last; ++n) {
+        fault.bit = first + n;
+        const fault_result_t one = run_one(self, &fault, point);
+        worst = n == 0u ? one : fault_case_both(&worst, &one);
+        *silent |= (uint64_t)one.silent << n;
+    }
     return worst;
 }

@@ -63,6 +63,17 @@ bool fault_bench_init(fault_bench_t *self, const rig_config_t *config, double lo
 fault_result_t fault_case_run(const fault_bench_t *self, const inject_kind_t *kind,
                               inject_place_t place, fault_point_t point, uint64_t seed);
 
+/// The same for FAULT_BITS_MAX bits from `first` on, not beyond `last`, of a kind that flips one. `silent`: bit n is set
+/// where the flip of bit first + n was silent.
+fault_result_t fault_case_bits(const fault_bench_t *self, const inject_kind_t *kind,
+                               fault_point_t point, uint64_t first, uint64_t last,
+                               uint64_t *silent);
+
+enum { FAULT_BITS_MAX = 64 };
+
+/// The result of the variants of both: the worse one, and how many were silent.
+fault_result_t fault_case_both(const fault_result_t *a, const fault_result_t *b);
+
 /// True if no fault was reported although something was wrong.
 bool fault_is_silent(const fault_result_t *result);
 

@@ -89,6 +89,7 @@ void inject_init(inject_t *self, const inject_kind_t *kind, inject_place_t place
         .kind = kind,
         .place = place,
         .seed = seed,
+        .bit = INJECT_ANY_BIT,
         .ts_s = plant->period_s,
         .i_max_A = (double)config->drive.inverter.i_max_A,
         .i_A_per_count = plant->i_A_per_count,
@@ -213,40 +214,57 @@ static void spoil_counts(inject_t *self, int sets, plant_counts_t counts[PLANT_S
 
 // ---- Memory -------------------------------------------------------------------------------------
 
-static void flip(inject_t *self, void *memory, size_t size) {
-    const uint64_t z = mixed(self->seed);
-    unsigned char *octet = (unsigned char *)memory + z % size;
-    *octet = (unsigned char)(*octet ^ (1u << (z >> 32) % 8u));
-}
+/// Of the state, without pointers: they are addresses of the host, and a flipped one would point to no memory here.
+#define STATE_FROM offsetof(lode_drive_t, steps)
+#define STATE_TO offsetof(lode_drive_t, posted_tuning)
 
-/// Bits of pointers are left out: they are addresses of the host, and a flipped one would point to no memory here.
-static void flip_state(inject_t *self, lode_drive_t *drive) {
-    const size_t first = offsetof(lode_drive_t, steps);
-    flip(self, (unsigned char *)drive + first, offsetof(lode_drive_t, posted_tuning) - first);
-}
-
-static void flip_memory(inject_t *self, rig_t *rig) {
-    lode_drive_t *drive = rig->drive;
-    switch (self->kind->how) {
+uint64_t inject_bits(const inject_kind_t *kind) {
+    switch (kind->how) {
     case INJECT_FLIP_TUNING:
-        // The tuning in use: that of both sets if there are two.
-        if (rig->sets == PLANT_SETS) {
-            flip(self, &rig->six_tuning[0].drive, sizeof rig->six_tuning[0].drive);
-        } else {
-            flip(self, &rig->three_tuning[0], sizeof rig->three_tuning[0]);
-        }
-        break;
+        return 8u * sizeof(lode_drive_tuning_t);
     case INJECT_FLIP_STATE:
-        flip_state(self, drive);
-        break;
+        return 8u * (STATE_TO - STATE_FROM);
     case INJECT_FLIP_MODE:
-        drive->mode = (uint_least8_t)(drive->mode ^ (1u << self->seed % 8u));
-        break;
+        return 8u;
     case INJECT_FLIP_COMMAND:
-        flip(self, &drive->command, sizeof drive->command);
-        break;
+        return 8u * sizeof(lode_order_t);
     default:
-        break;
+        return 0u;
+    }
+}
+
+size_t inject_offset(const inject_kind_t *kind, uint64_t bit) {
+    const size_t from = kind->how == INJECT_FLIP_STATE  ? STATE_FROM
+                        : kind->how == INJECT_FLIP_MODE ? offsetof(lode_drive_t, mode)
+                                                        : 0u;
+    return from + (size_t)(bit / 8u);
+}
+
+/// What inject_offset() counts from.
+static unsigned char *structure_of(const inject_t *self, rig_t *rig) {
+    switch (self->kind->how) {
+    case INJECT_FLIP_TUNING: // the tuning in use: that of both sets if there are two
+        return rig->sets == PLANT_SETS ? (unsigned char *)&rig->six_tuning[0].drive
+                                       : (unsigned char *)&rig->three_tuning[0];
+    case INJECT_FLIP_COMMAND:
+        return (unsigned char *)&rig->drive->command;
+    default:
+        return (unsigned char *)rig->drive;
+    }
+}
+
+static uint64_t drawn_bit(const inject_t *self, uint64_t bits) {
+    const uint64_t z = mixed(self->seed);
+    return self->kind->how == INJECT_FLIP_MODE ? self->seed % bits
+                                               : 8u * (z % (bits / 8u)) + (z >> 32) % 8u;
+}
+
+static void flip_memory(const inject_t *self, rig_t *rig) {
+    const uint64_t bits = inject_bits(self->kind);
+    if (bits > 0u) {
+        const uint64_t bit = self->bit == INJECT_ANY_BIT ? drawn_bit(self, bits) : self->bit;
+        unsigned char *octet = structure_of(self, rig) + inject_offset(self->kind, bit);
+        *octet = (unsigned char)(*octet ^ (1u << bit % 8u));
     }
 }
 

@@ -2,6 +2,8 @@
 #ifndef RIG_INJECT_H
 #define RIG_INJECT_H
 
+#include <stddef.h>
+
 #include "rig/rig.h"
 
 typedef enum {
@@ -63,16 +65,28 @@ extern const int inject_kind_count;
 /// True for a kind that flips a bit of memory, and so has several variants.
 bool inject_is_random(const inject_kind_t *kind);
 
+/// Number of bits that such a kind may flip; 0 for other kinds.
+uint64_t inject_bits(const inject_kind_t *kind);
+
+/// Offset of the octet of one of these bits in the library's structure: lode_drive_t (state, mode), lode_drive_tuning_t,
+/// lode_order_t.
+size_t inject_offset(const inject_kind_t *kind, uint64_t bit);
+
+/// The bit is drawn by the seed.
+#define INJECT_ANY_BIT UINT64_MAX
+
 typedef struct {
     const inject_kind_t *kind;
     inject_place_t place;
     uint64_t seed;
+    uint64_t bit;     ///< of a kind that flips one: its number, or INJECT_ANY_BIT
     uint64_t periods; ///< since the fault began
     double ts_s, i_max_A, i_A_per_count, full_count, torque_Nm, v_bus_V, temperature_degC;
     plant_counts_t held[PLANT_SETS];
     double late[PLANT_LEGS]; ///< duties of the previous call
 } inject_t;
 
+/// `bit`: INJECT_ANY_BIT at first.
 void inject_init(inject_t *self, const inject_kind_t *kind, inject_place_t place,
                  const rig_config_t *config, const plant_config_t *plant, uint64_t seed);
 

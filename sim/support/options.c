@@ -64,6 +64,9 @@ static const option_t table[] = {
     {"shard", required_argument, 'P', MONTE_CARLO, "K/N",
      "every N-th case from the K-th on, for K = 1 .. N; `merge` joins the JSON of all N"},
     {"kinds", required_argument, 'K', FAULTS, "A,B,...", "kinds of fault; default: all"},
+    {"bits", required_argument, 'B', FAULTS, "WHICH",
+     "bits that the kinds flip-... flip: random (16 of them), every, or A-B, numbers of\n"
+     "                             bits; lists the silent ones; default: random"},
     {"in", required_argument, 'I', FAULTS, "PLACE",
      "where: a1, b1, c1, a2, b2, c2: the phase of a fault of one phase; default: a1;\n"
      "                             set-1, set-2: sensor faults of all phases are in one set of\n"
@@ -383,6 +386,8 @@ static const char **text_option(options_t *options, int letter) {
         return &options->kinds;
     case 'I':
         return &options->place;
+    case 'B':
+        return &options->bits;
     case 'b':
         return &options->separator;
     case 'H':

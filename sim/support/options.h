@@ -52,6 +52,7 @@ typedef struct {
     const char *format; ///< of the pictures in it
     const char *kind;   ///< of what is decoded
     const char *kinds;  ///< of faults
+    const char *bits;   ///< of faults: random, every, or a range
     const char *place;  ///< of faults: a1 .. c2, set-1 or set-2
     const char *ring;   ///< recorder files of a run
     const char *scope;

@@ -220,6 +220,46 @@ def refuses(checks, folder):
         refused(checks, folder, ["faults", *arguments, "--json", "no.json"], says)
 
 
+def flips_the_bits_that_are_asked_for(checks, folder):
+    """Each of a range, once, on any number of processes; what was silent is listed bit by bit."""
+    # Sensors that show four fifths, no check that finds it, and a start with all of i_max: silent without any flip.
+    blind = [word for key in ("a", "b", "c") for word in ("--set", f"plant.i_gain_error_{key}=-0.2")]
+    blind += ["--set", "guard.plausibility=off", "--set", "start.signal_check=off", "--set", "start.current_A=12"]
+    state = ("--motors", "jiang2022", "--kinds", "none,flip-state", *blind)
+    done, all_of_them = cases_of(folder, *state, "--bits", "30-119", "--jobs", "1")
+    checks.equal(done.returncode, 1, "exit code")
+    found = {}
+    for bits in ("30-80", "81-119"):  # each in one piece of work, together in two
+        _, cases = cases_of(folder, *state, "--bits", bits, "--jobs", "2")
+        for key, case in cases.items():
+            found.setdefault(key, []).extend(case.get("silent_bits", []))
+    for key, case in all_of_them.items():
+        flips = case["kind"] == "flip-state"
+        checks.equal(case["tried"], 90 if flips else 1, f"tried, {key}")
+        checks.equal("silent_bits" in case, flips, f"a list, {key}")
+        if flips:
+            checks.equal(case["silent_bits"], found[key], f"in one range and in two, {key}")
+            checks.equal(len(case["silent_bits"]), case["silent_of_tried"], f"all are listed, {key}")
+    silent = all_of_them["flip-state", "standstill"]["silent_bits"]
+    checks.true(len(silent) > 10, f"{len(silent)} silent ones")
+    checks.equal({bit["at"] for bit in silent}, {"standstill"}, "their point")
+    checks.equal([bit["bit"] for bit in silent], [bit["number"] % 8 for bit in silent], "their place in the octet")
+    checks.equal(len({bit["offset"] - bit["number"] // 8 for bit in silent}), 1, "their octets")
+    listed = " ".join(f"{bit['offset']}.{bit['bit']}" for bit in silent[:40])
+    checks.true(f"\nSilent bits of flip-state at standstill: {listed}" in done.stdout, done.stdout)
+    done, whole = cases_of(folder, "--motors", "jiang2022", "--kinds", "flip-mode", "--bits", "every")
+    checks.equal({case["tried"] for case in whole.values()}, {8}, "every bit of the mode")
+    checks.true("| a bit of the mode flips |" in done.stdout, done.stdout)
+    for text, says in [("some", "--bits some: expected random, every, or numbers as in 0-63"), ("5", "--bits 5: expected random"),
+                       ("9-3", "--bits 9-3: expected random"), ("-3", "--bits -3: expected"), ("0-8", "--bits 0-8: flip-mode has the bits 0 to 7")]:
+        refused(checks, folder, ["faults", "--motors", "jiang2022", "--kinds", "flip-mode", "--bits", text], says)
+    refused(checks, folder, ["faults", "--motors", "jiang2022", "--kinds", "none", "--bits", "every"],
+            "--bits every: expected a kind that flips bits in --kinds, such as flip-state")
+    _, drawn = cases_of(folder, "--motors", "jiang2022", "--kinds", "flip-mode")
+    _, random = cases_of(folder, "--motors", "jiang2022", "--kinds", "flip-mode", "--bits", "random")
+    checks.equal(drawn, random, "the default")
+
+
 def lists_its_kinds(checks, folder):
     """The names that --kinds takes, and what they are."""
     text = folder.run("faults", "--help").stdout
@@ -235,6 +275,7 @@ def lists_its_kinds(checks, folder):
 checks = Checks()
 with Folder() as folder:
     lists_its_kinds(checks, folder)
+    flips_the_bits_that_are_asked_for(checks, folder)
     finds(checks, folder)
     tries_bridge_and_sensors_before_a_start(checks, folder)
     finds_sensors_that_come_to_show_less_in_a_start(checks, folder)
