@@ -9,6 +9,7 @@
 #define CORRECTION_MAX 0.25f // for a psi that is 20 % off
 #define FOLLOWED_SHARE 0.05f // of the q reference: current control has settled
 #define FLUX_MIN_SHARE 0.1f  // of psi: least active flux to divide by
+#define BEYOND_SHARE 0.5f    // (L8): of the most torque
 // 6/pi: mean sum of the magnitudes of three phase currents over their amplitude.
 #define MEAN_ABS 1.90985932f
 
@@ -67,10 +68,10 @@ float lode_supply_current_A(const lode_supply_tuning_t *tuning, const lode_telem
     return (motor_W + drop_W(tuning, i_A)) / telemetry->v_bus_V;
 }
 
-// (L2): torque at which the supply's power is `power_W`, with the losses of the q axis. FLT_MAX: there is none, as the
-// winding takes more than braking gives.
+// (L2), (L8): torque at which the supply's power is `power_W`, with the losses of the q axis. FLT_MAX: there is none, or it is
+// left again within the torque of the moment or a share of `most_Nm`, as the winding then takes more than braking gives.
 static float torque_at(const lode_supply_tuning_t *tuning, const lode_telemetry_t *telemetry,
-                       float power_W, float sign) {
+                       float power_W, float sign, float most_Nm) {
     const float omega = lode_abs(telemetry->omega_rad_s) * tuning->inv_pole_pairs;
     const float active = lode_max(tuning->psi_Wb + tuning->salient_H * telemetry->i_A.d,
                                   FLUX_MIN_SHARE * tuning->psi_Wb);
@@ -78,7 +79,16 @@ static float torque_at(const lode_supply_tuning_t *tuning, const lode_telemetry_
     const float loss = tuning->power_factor * tuning->R_Ohm / (per_A * per_A);
     const float given_W = lode_max(power_W, 0.0f);
     const float square = omega * omega + sign * 4.0f * loss * given_W;
-    return square < 0.0f ? FLT_MAX : 2.0f * given_W / lode_max(omega + lode_sqrt(square), FLT_MIN);
+    if (square < 0.0f) {
+        return FLT_MAX;
+    }
+    const float sum = omega + lode_sqrt(square);
+    const float forward_A = telemetry->omega_rad_s < 0.0f ? -telemetry->i_A.q : telemetry->i_A.q;
+    const float reached_Nm = lode_max(sign * per_A * forward_A, BEYOND_SHARE * most_Nm);
+    if (sign < 0.0f && sum <= 2.0f * loss * reached_Nm) {
+        return FLT_MAX;
+    }
+    return 2.0f * given_W / lode_max(sum, FLT_MIN);
 }
 
 // This limit determines the torque, and current control has settled.
@@ -111,7 +121,9 @@ static float share_of(lode_supply_t *self, const lode_supply_tuning_t *tuning,
     const float lost_W =
         tuning->power_factor * tuning->R_Ohm * id_A * id_A + drop_W(tuning, telemetry->i_A);
     const float power_W = telemetry->v_bus_V * limit_A - sign * lost_W;
-    const float torque_Nm = torque_at(tuning, telemetry, power_W, sign);
+    const float most_Nm =
+        telemetry->torque_most_Nm > 0.0f ? telemetry->torque_most_Nm : tuning->most_Nm;
+    const float torque_Nm = torque_at(tuning, telemetry, power_W, sign, most_Nm);
     const float torque_W = torque_Nm * lode_abs(telemetry->omega_rad_s) * tuning->inv_pole_pairs;
     const float error_W = telemetry->v_bus_V * (limit_A - sign * i_A);
     const float x = lode_one_minus_exp(dt_s / tuning->correct_s);
@@ -121,8 +133,6 @@ static float share_of(lode_supply_t *self, const lode_supply_tuning_t *tuning,
     const float factor =
         lode_clamp(before + x * change, 1.0f - CORRECTION_MAX, 1.0f + CORRECTION_MAX);
     self->factor[side] = factor;
-    const float most_Nm =
-        telemetry->torque_most_Nm > 0.0f ? telemetry->torque_most_Nm : tuning->most_Nm;
     return lode_clamp(factor * torque_Nm / most_Nm, 0.0f, 1.0f);
 }
 

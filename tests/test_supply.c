@@ -169,6 +169,43 @@ static void test_a_side_without_limit_is_free(void) {
     TEST_ASSERT_TRUE(shares(&usual, &odd).motoring < 0.3f);
 }
 
+/// (L8). A load is held at rest although nothing may go back: the winding takes what braking gives there. It is let go where a
+/// good part of the torque would give more.
+static void test_a_held_load_is_not_let_go(void) {
+    const lode_supply_config_t nothing = {.regen_A = LODE_NONE};
+    const lode_supply_tuning_t closed = tuned(&nothing);
+    const double c = 1.5 * 0.8 / (4.5 * 0.142 * 4.5 * 0.142); // W/Nm^2
+    const struct {
+        double braked_Nm; // by the current that flows
+        double beyond_Nm; // torque from which braking takes power, of 10 Nm
+        float share;
+    } cases[] = {
+        {0.0, 0.0, 1.0f}, {0.0, 4.9, 1.0f}, {0.0, 5.1, 0.0f},  {4.0, 4.9, 1.0f},
+        {8.0, 7.9, 1.0f}, {8.0, 8.1, 0.0f}, {-8.0, 7.9, 0.0f},
+    };
+    for (int n = 0; n < COUNT_OF(cases); n++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            const float omega = (float)(sign * 3.0 * c * cases[n].beyond_Nm);
+            const float iq_A = (float)(-sign * cases[n].braked_Nm / (4.5 * 0.142));
+            const lode_telemetry_t now = at(omega, (lode_dq_t){0.0f, iq_A});
+            lode_supply_tuning_t without_drop = closed;
+            without_drop.drop_V = 0.0f;
+            TEST_ASSERT_EQUAL_FLOAT(cases[n].share, shares(&without_drop, &now).braking);
+        }
+    }
+    // With a current that may go back, from where the torque takes more again: 6 Nm, of which 5.4 Nm is the other root.
+    const lode_supply_tuning_t usual = tuned(&sound);
+    const double rest_W = 0.9 * c * 36.0;
+    lode_supply_tuning_t some = usual;
+    some.drop_V = 0.0f;
+    some.limit_A[LODE_SUPPLY_FED_BACK] = (float)(rest_W / 200.0);
+    const double omega = 6.0 * c + rest_W / 6.0; // (L2) at 6 Nm
+    lode_telemetry_t now = at((float)(3.0 * omega), (lode_dq_t){0.0f, 0.0f});
+    CHECK_NEAR(1.0e-3, rest_W / c / 6.0 / 10.0, (double)shares(&some, &now).braking);
+    now.i_A.q = (float)(-6.01 / (4.5 * 0.142));
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, shares(&some, &now).braking);
+}
+
 static void test_before_RUN_the_torque_of_i_max_counts(void) {
     const lode_supply_tuning_t tuning = tuned(&sound);
     lode_telemetry_t now = at(360.0f, (lode_dq_t){0.0f, 0.0f});
@@ -348,6 +385,7 @@ int main(void) {
     RUN_TEST(test_two_windings_draw_twice_as_much);
     RUN_TEST(test_the_torque_allowed_draws_the_limit);
     RUN_TEST(test_a_side_without_limit_is_free);
+    RUN_TEST(test_a_held_load_is_not_let_go);
     RUN_TEST(test_before_RUN_the_torque_of_i_max_counts);
     RUN_TEST(test_the_share_of_a_small_torque);
     RUN_TEST(test_the_current_corrects_the_model);

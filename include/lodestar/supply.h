@@ -7,7 +7,7 @@
 ///     const lode_shares_t share = lode_supply_step(&supply, &supply_tuning, &now, i_A, 1.0e-3f);
 ///     lode_drive_limit_torques(&drive, share.motoring, share.braking);
 ///
-/// Equations (L1)-(L4): docs/theory/control.md.
+/// Equations (L1)-(L4), (L8): docs/theory/control.md.
 #ifndef LODESTAR_SUPPLY_H
 #define LODESTAR_SUPPLY_H
 
@@ -20,7 +20,9 @@ extern "C" {
 /// Configuration of the limits.
 typedef struct {
     float battery_A; ///< largest current out of the supply, up to 1e5; 0: no limit
-    float regen_A; ///< largest current back into it, up to 1e5; 0: no limit; LODE_NONE: no current
+    /// largest current back into it, up to 1e5; 0: no limit; LODE_NONE: none, but that of a sixteenth of the
+    /// winding's losses, so that a load is held at rest (L8)
+    float regen_A;
     float
         correct_s; ///< time constant with which the limits follow the measured current (L3), 1e-3 .. 100; 0: 0.05
 } lode_supply_config_t;
