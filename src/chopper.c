@@ -6,6 +6,7 @@
 
 #define HEAT_FROM 0.9f // the duty falls over the last tenth of the heat, against oscillation
 #define HEAT_MAX 4.0f  // limits what the integrator may hold
+#define V_MAX_V 4.0e3f // largest full_V: more is a bad sample
 
 lode_status_t lode_chopper_tune(lode_chopper_tuning_t *tuning,
                                 const lode_chopper_config_t *config) {
@@ -37,11 +38,14 @@ void lode_chopper_reset(lode_chopper_t *self, float heat) {
 // (L5) to (L7)
 float lode_chopper_step(lode_chopper_t *self, const lode_chopper_tuning_t *tuning, float v_bus_V) {
     const float wanted = lode_clamp((v_bus_V - tuning->on_V) * tuning->inv_span, 0.0f, 1.0f);
-    const float load = lode_is_finite(v_bus_V) ? tuning->load * v_bus_V * v_bus_V : 0.0f;
+    const float v_V = lode_is_finite(v_bus_V) ? lode_clamp(v_bus_V, 0.0f, V_MAX_V) : 0.0f;
+    const float load = tuning->load * v_V * v_V;
     const float borne = 1.0f / lode_max(load, 1.0f);
     const float most = borne + (1.0f - borne) * lode_fade(&tuning->cool, self->heat);
     const float duty = lode_min(wanted, most);
     lode_add_small(&self->heat, &self->rest, tuning->weight * (duty * load - self->heat));
-    self->heat = lode_min(self->heat, HEAT_MAX);
+    if (!lode_in_range(self->heat, 0.0f, HEAT_MAX)) { // with what `rest` keeps of it
+        lode_chopper_reset(self, self->heat < 0.0f ? 0.0f : HEAT_MAX);
+    }
     return duty;
 }

@@ -135,6 +135,42 @@ static void test_heat_stays_bounded(void) {
     TEST_ASSERT_EQUAL_FLOAT(0.0f, chopper.heat);
 }
 
+/// A bad sample of the bus is forgotten: one beyond any bus hardly counts, and what limits the heat leaves nothing behind.
+static void test_one_bad_sample_is_forgotten(void) {
+    const lode_chopper_tuning_t tuning = tuned();
+    const float bad_V[] = {1.0e15f, 3.0e21f, FLT_MAX, -3.0e21f};
+    for (int n = 0; n < COUNT_OF(bad_V); n++) {
+        lode_chopper_t chopper;
+        lode_chopper_reset(&chopper, 0.0f);
+        (void)lode_chopper_step(&chopper, &tuning, bad_V[n]);
+        // That of 4 kV: 16e6/(20 500) times the weight of a call.
+        CHECK_NEAR(1.0e-4, bad_V[n] > 0.0f ? 1600.0 * 1.0e-3 / 40.0 : 0.0, (double)chopper.heat);
+        CHECK_NEAR(1.0e-6, 1.0, (double)lode_chopper_step(&chopper, &tuning, 460.0f));
+    }
+    // A resistor too small by far: the heat ends at its limit, and cools from there.
+    lode_chopper_config_t small = sound;
+    small.R_Ohm = 1.0e-3f;
+    small.power_W = 1.0e-3f;
+    lode_chopper_tuning_t weak;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_chopper_tune(&weak, &small));
+    lode_chopper_t chopper;
+    lode_chopper_reset(&chopper, 0.7f);
+    (void)lode_chopper_step(&chopper, &weak, 460.0f);
+    TEST_ASSERT_EQUAL_FLOAT(4.0f, chopper.heat);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, chopper.rest);
+    // Memory that has changed.
+    chopper.heat = -2.0f;
+    (void)lode_chopper_step(&chopper, &tuning, 0.0f);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, chopper.heat);
+    chopper.heat = NAN;
+    (void)lode_chopper_step(&chopper, &tuning, 0.0f);
+    TEST_ASSERT_EQUAL_FLOAT(4.0f, chopper.heat);
+    chopper.rest = NAN;
+    (void)lode_chopper_step(&chopper, &tuning, 0.0f);
+    TEST_ASSERT_EQUAL_FLOAT(4.0f, chopper.heat);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, chopper.rest);
+}
+
 static lode_status_t try_config(const lode_chopper_config_t *config) {
     const lode_chopper_tuning_t before = tuned();
     lode_chopper_tuning_t tuning = before;
@@ -211,6 +247,7 @@ int main(void) {
     RUN_TEST(test_one_that_bears_full_duty_has_it_for_ever);
     RUN_TEST(test_heat_in_small_portions_adds_up);
     RUN_TEST(test_heat_stays_bounded);
+    RUN_TEST(test_one_bad_sample_is_forgotten);
     RUN_TEST(test_every_field_at_its_limits);
     RUN_TEST(test_a_hot_resistor_has_its_lasting_power);
     return UNITY_END();
