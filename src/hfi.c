@@ -382,6 +382,10 @@ bool lode_hfi_follow(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_
         lode_hfi_begin(self, tuning, i_A);
         self->of.iq_A = i_A.q;
     }
+    const bool random = (self->signs & LODE_HFI_RANDOM) != 0u;
+    if (random != (tuning->silent > 0u)) { // another tuning; the sign last used stays
+        self->signs = (uint_least16_t)((self->signs & LODE_HFI_NEGATIVE) | tuning->silent);
+    }
     self->weight = lode_clamp((tuning->omega_high - speed) * tuning->inv_span, 0.0f, 1.0f);
     if (lode_abs(tuning->k_x) > 0.0f) {
         self->of.iq_A += tuning->iq_weight * (self->i_A.q - self->of.iq_A);

@@ -565,6 +565,44 @@ static void test_no_tone_stands_out_of_a_silent_wave(void) {
     CHECK_AT_MOST(0.03, strongest_band(true)); // of 129 bands, 0.016 at the middle of (H23)
 }
 
+/// How many of 40 waves have the sign of the one before.
+static int repeats(lode_hfi_t *hfi, const lode_hfi_tuning_t *tuning) {
+    int count = 0;
+    float before = 0.0f;
+    for (int k = 0; k < 40; k++) {
+        const float wave = lode_hfi_add_wave(hfi, tuning, (lode_dq_t){0.0f, 0.0f}).d;
+        count += wave * before > 0.0f ? 1 : 0;
+        before = wave;
+    }
+    return count;
+}
+
+/// A tuning that is taken while the wave runs decides whether it is a tone, in either direction; the same one changes nothing.
+static void test_a_running_wave_takes_another_tuning(void) {
+    lode_hfi_tuning_t tone = paper_tuning();
+    lode_hfi_tuning_t silent = tone;
+    tone.silent = 0u;
+    silent.silent = 1u;
+    const lode_dq_t none_A = {0.0f, 0.0f};
+    lode_hfi_t hfi;
+    lode_hfi_begin(&hfi, &tone, none_A);
+    TEST_ASSERT_EQUAL_INT(0, repeats(&hfi, &tone));
+    TEST_ASSERT_TRUE(lode_hfi_follow(&hfi, &silent, none_A, 1.0f));
+    TEST_ASSERT_TRUE(repeats(&hfi, &silent) > 5);
+    const uint32_t signs = hfi.signs;
+    TEST_ASSERT_TRUE(lode_hfi_follow(&hfi, &silent, none_A, 1.0f));
+    TEST_ASSERT_EQUAL_UINT32(signs, hfi.signs);
+    // In the middle of a pair too: the wave goes on with the other sign.
+    for (int odd = 0; odd <= 1; odd++) {
+        hfi.signs = LODE_HFI_NEGATIVE | (odd == 1 ? LODE_HFI_FIRST : 0u) | 1u;
+        TEST_ASSERT_TRUE(lode_hfi_follow(&hfi, &tone, none_A, 1.0f));
+        TEST_ASSERT_EQUAL_UINT32(LODE_HFI_NEGATIVE, hfi.signs);
+        TEST_ASSERT_EQUAL_INT(0, repeats(&hfi, &tone));
+        TEST_ASSERT_TRUE(lode_hfi_follow(&hfi, &tone, none_A, 1.0f));
+        TEST_ASSERT_EQUAL_INT(0, repeats(&hfi, &tone));
+    }
+}
+
 static void test_cross_saturation_turns_the_axis(void) {
     const lode_hfi_tuning_t tuning = paper_tuning();
     lode_hfi_t hfi = {.active = false};
@@ -1818,6 +1856,7 @@ int main(void) {
     RUN_TEST(test_the_ripple_drops_out);
     RUN_TEST(test_pairs_of_waves);
     RUN_TEST(test_no_tone_stands_out_of_a_silent_wave);
+    RUN_TEST(test_a_running_wave_takes_another_tuning);
     RUN_TEST(test_a_silent_drive_holds_the_rotor);
     RUN_TEST(test_the_bandwidth_is_blended_too);
     RUN_TEST(test_cross_saturation_turns_the_axis);
