@@ -8,6 +8,8 @@
 #define STAGE_SPAN_K 20.0f
 // The winding's share falls over the last tenth of its heat, so that it does not oscillate.
 #define HEAT_FROM 0.9f
+// Beyond the continuous heat, what is left falls to none by here.
+#define HEAT_TO 1.1f
 #define HEAT_MAX 4.0f // limits what the integrator may hold
 
 lode_status_t lode_derate_tune(lode_derate_tuning_t *tuning, const lode_derate_config_t *config) {
@@ -30,6 +32,7 @@ lode_status_t lode_derate_tune(lode_derate_tuning_t *tuning, const lode_derate_c
         .least = continuous / i_max,
         .winding_s = winding_s,
         .winding = {1.0f, 1.0f / (1.0f - HEAT_FROM)},
+        .beyond = {HEAT_TO, 1.0f / (HEAT_TO - 1.0f)},
         .stage = {to, 1.0f / (to - from)},
     };
     return LODE_OK;
@@ -57,7 +60,8 @@ float lode_derate_step(lode_derate_t *self, const lode_derate_tuning_t *tuning,
     if (!lode_in_range(self->heat, 0.0f, HEAT_MAX)) {
         lode_derate_reset(self, self->heat < 0.0f ? 0.0f : HEAT_MAX); // NaN: hot
     }
-    const float winding =
-        tuning->least + (1.0f - tuning->least) * lode_fade(&tuning->winding, self->heat);
+    const float most = lode_fade(&tuning->winding, self->heat);
+    const float least = tuning->least * lode_fade(&tuning->beyond, self->heat);
+    const float winding = least + (1.0f - tuning->least) * most;
     return lode_min(winding, lode_fade(&tuning->stage, telemetry->temperature_degC));
 }

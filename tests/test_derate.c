@@ -72,6 +72,48 @@ static void test_the_winding_heats_up_to_its_continuous_current(void) {
     TEST_ASSERT_EQUAL_FLOAT(1.0f, share);
 }
 
+/// (D3). With reluctance torque the current goes with a root of the torque, and a bias of id stays: the continuous heat is
+/// exceeded by less than a tenth, without oscillation.
+static void test_a_current_that_falls_less_than_the_torque_heats_little_more(void) {
+    const lode_derate_tuning_t tuning = tuned();
+    const struct {
+        double exponent, bias_A;
+    } cases[] = {{0.5, 0.0}, {0.7, 0.0}, {1.0, 4.0}, {1.0, 5.9}};
+    for (int n = 0; n < COUNT_OF(cases); n++) {
+        lode_derate_t derate;
+        lode_derate_reset(&derate, 0.0f);
+        double share = 1.0;
+        float heat = 0.0f;
+        float most = 0.0f;
+        for (int k = 0; k < 6000; k++) {
+            const double iq_A = 12.0 * pow(share, cases[n].exponent);
+            const lode_telemetry_t now = at((float)hypot(iq_A, cases[n].bias_A), 25.0f);
+            heat = derate.heat;
+            share = (double)lode_derate_step(&derate, &tuning, &now, 0.1f);
+            most = derate.heat > most ? derate.heat : most;
+        }
+        CHECK_AT_MOST(1.1, (double)most);
+        CHECK_NEAR(1.0e-5, (double)heat, (double)derate.heat); // and at rest
+        // Where it stays is where the current of the share heats as much.
+        const double iq_A = 12.0 * pow(share, cases[n].exponent);
+        const double load = (iq_A * iq_A + cases[n].bias_A * cases[n].bias_A) / 36.0;
+        CHECK_NEAR(1.0e-3, load, (double)derate.heat);
+        CHECK_NEAR(1.0e-3, 0.5 * (1.1 - (double)derate.heat) / 0.1, share);
+    }
+}
+
+static void test_the_share_over_the_heat(void) {
+    const lode_derate_tuning_t tuning = tuned();
+    const float heats[] = {0.0f, 0.9f, 0.95f, 1.0f, 1.05f, 1.1f, 4.0f};
+    const double shares[] = {1.0, 1.0, 0.75, 0.5, 0.25, 0.0, 0.0};
+    for (int n = 0; n < COUNT_OF(shares); n++) {
+        lode_derate_t derate;
+        lode_derate_reset(&derate, heats[n]);
+        const lode_telemetry_t now = at(1.0f, 25.0f);
+        CHECK_NEAR(1.0e-5, shares[n], (double)lode_derate_step(&derate, &tuning, &now, 0.0f));
+    }
+}
+
 /// A slow winding and a fast caller: what a call adds is less than the last digit of the heat.
 static void test_a_slow_winding_heats_up_in_fast_calls(void) {
     lode_derate_tuning_t tuning = tuned();
@@ -124,7 +166,7 @@ static void test_what_is_no_number_counts_as_hot(void) {
     const lode_telemetry_t blind = at(1.0f, NAN);
     TEST_ASSERT_EQUAL_FLOAT(0.0f, lode_derate_step(&derate, &tuning, &blind, 0.1f));
     const lode_telemetry_t wild = at(NAN, 25.0f);
-    CHECK_NEAR(1.0e-6, 0.5, (double)lode_derate_step(&derate, &tuning, &wild, 0.1f));
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, lode_derate_step(&derate, &tuning, &wild, 0.1f));
     TEST_ASSERT_TRUE(lode_is_finite(derate.heat));
     derate.heat = -2.0f; // memory that has changed
     CHECK_NEAR(1.0e-6, 1.0,
@@ -207,6 +249,8 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_bad_configurations_are_refused);
     RUN_TEST(test_the_winding_heats_up_to_its_continuous_current);
+    RUN_TEST(test_a_current_that_falls_less_than_the_torque_heats_little_more);
+    RUN_TEST(test_the_share_over_the_heat);
     RUN_TEST(test_a_slow_winding_heats_up_in_fast_calls);
     RUN_TEST(test_a_trip_heats_no_winding);
     RUN_TEST(test_a_hot_power_stage_has_less_torque);

@@ -29,9 +29,10 @@ typedef struct {
 /// All that is derived from the configuration.
 typedef struct {
     float inv_continuous2; ///< 1/A^2
-    float least;           ///< share of the torque that is possible continuously
+    float least;           ///< share of the torque at the continuous heat
     float winding_s;
-    lode_fade_t winding; ///< over the heat of the winding
+    lode_fade_t winding; ///< of what is beyond `least`, over the heat of the winding
+    lode_fade_t beyond;  ///< of `least`, over the heat beyond the continuous one
     lode_fade_t stage;   ///< over the temperature of the power stage
 } lode_derate_tuning_t;
 
