@@ -97,6 +97,10 @@ void lode_guard_design(lode_guard_config_t *config, const lode_inverter_config_t
         config->check_half_waves == LODE_AUTO ? config->plausibility : config->check_half_waves;
 }
 
+static bool has_no_sensor(const lode_sense_config_t *sense) {
+    return lode_in_range(sense->temperature_gain_degC_count, 0.0f, 0.0f);
+}
+
 static lode_status_t check_limits(const lode_guard_config_t *config,
                                   const lode_inverter_config_t *inverter,
                                   const lode_sense_config_t *sense) {
@@ -114,9 +118,34 @@ static lode_status_t check_limits(const lode_guard_config_t *config,
         !lode_in_range(config->temperature_min_degC, -300.0f, config->temperature_max_degC)) {
         return LODE_ERROR_GUARD_TEMPERATURE;
     }
+    const float offset = sense->temperature_offset_degC;
+    if (has_no_sensor(sense) &&
+        !lode_in_range(offset, config->temperature_min_degC, config->temperature_max_degC)) {
+        return LODE_ERROR_GUARD_TEMPERATURE; // it would always trip
+    }
     if (!lode_in_range(config->omega_max_rad_s, 1.0f, 1.0e6f)) {
         return LODE_ERROR_GUARD_SPEED;
     }
+    return LODE_OK;
+}
+
+static lode_status_t check_times(const lode_guard_config_t *config,
+                                 const lode_sense_config_t *sense, float ts_s) {
+    const float still_max_s = COUNTER_MAX * (float)LODE_SLOW_PERIODS * ts_s;
+    // Without a sensor the count stands still.
+    const float temperature_max_s = has_no_sensor(sense) ? 0.0f : still_max_s;
+    const float stamp = config->stamp_per_period;
+    if (!lode_in_range(config->bus_s, ts_s, 10.0f) || !lode_in_range(config->lock_s, ts_s, 10.0f) ||
+        !(lode_in_range(stamp, 0.0f, 0.0f) || lode_in_range(stamp, 1.0f, 1.0e9f)) ||
+        !lode_in_range(config->temperature_still_s, 0.0f, temperature_max_s) ||
+        !lode_in_range(config->bus_still_s, 0.0f, still_max_s)) {
+        return LODE_ERROR_GUARD_TIME;
+    }
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    if (config->temperature_still_s > 0.0f || config->bus_still_s > 0.0f) {
+        return LODE_ERROR_GUARD_TIME;
+    }
+#endif
     return LODE_OK;
 }
 
@@ -133,25 +162,15 @@ static uint_least16_t rounds_in(float time_s, float round_s) {
 lode_status_t lode_guard_tune(lode_guard_tuning_t *tuning, const lode_guard_config_t *config,
                               const lode_inverter_config_t *inverter,
                               const lode_sense_config_t *sense, float ts_s) {
-    const lode_status_t status = check_limits(config, inverter, sense);
+    lode_status_t status = check_limits(config, inverter, sense);
+    if (status == LODE_OK) {
+        status = check_times(config, sense, ts_s);
+    }
     if (status != LODE_OK) {
         return status;
     }
-    if (!lode_in_range(config->bus_s, ts_s, 10.0f) || !lode_in_range(config->lock_s, ts_s, 10.0f) ||
-        !lode_in_range(config->stamp_per_period, 0.0f, 1.0e9f)) {
-        return LODE_ERROR_GUARD_TIME;
-    }
     const uint32_t round_periods = LODE_SLOW_PERIODS;
     const float round_s = (float)round_periods * ts_s;
-    if (!lode_in_range(config->temperature_still_s, 0.0f, COUNTER_MAX * round_s) ||
-        !lode_in_range(config->bus_still_s, 0.0f, COUNTER_MAX * round_s)) {
-        return LODE_ERROR_GUARD_TIME;
-    }
-#ifdef LODE_WITHOUT_PLAUSIBILITY
-    if (config->temperature_still_s > 0.0f || config->bus_still_s > 0.0f) {
-        return LODE_ERROR_GUARD_TIME;
-    }
-#endif
     const float stamp = config->stamp_per_period;
     const uint32_t stamp_min = (uint32_t)(int32_t)((1.0f - STAMP_TOLERANCE) * stamp);
     const uint32_t stamp_max = (uint32_t)(int32_t)((1.0f + STAMP_TOLERANCE) * stamp);

@@ -38,6 +38,7 @@ static lode_status_t try_config(const lode_drive_config_t *config) {
 
 static lode_status_t try_one(size_t offset, float value) {
     lode_drive_config_t config = minimal();
+    config.sense.temperature_gain_degC_count = 0.05f; // a count that may be asked to move
     field_set(&config, offset, value);
     return try_config(&config);
 }

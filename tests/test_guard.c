@@ -23,6 +23,7 @@ static const lode_sense_config_t board = {.i_gain_A_count = 0.0125f,
                                           .i_offset_tol_count = 100.0f,
                                           .count_max = 4095.0f,
                                           .v_bus_gain_V_count = 0.1f,
+                                          .temperature_gain_degC_count = 0.05f,
                                           .duty_max = 1.0f,
                                           .calibrate_s = 0.01f};
 #define TRIP_COUNT 1440
@@ -622,11 +623,45 @@ static void test_temperatures_and_speeds_between_which_limits_lie(void) {
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(fastest, 1.0f));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_SPEED, try_one(fastest, 0.99f));
     TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(stamp, 1.0e9f));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(stamp, 1.0f));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_one(stamp, 0.0f)); // not watched
+    const float none[] = {0.999f, 0.7f, 1.0e-6f};         // nothing to watch
+    for (int n = 0; n < COUNT_OF(none); n++) {
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TIME, try_one(stamp, none[n]));
+    }
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_TIME, try_one(stamp, 1.01e9f));
     // A stamp that counts periods is watched too.
     lode_guard_config_t config = sound();
     config.stamp_per_period = 1.0f;
     TEST_ASSERT_TRUE(tuned(&config).stamp_span < 2u);
+}
+
+/// A board without a temperature sensor reads its offset: it must lie between the limits, and cannot be asked to move.
+static void test_without_a_sensor_no_check_of_it_is_taken(void) {
+    lode_sense_config_t bare = board;
+    bare.temperature_gain_degC_count = 0.0f;
+    const struct {
+        float offset_degC, still_s;
+        lode_status_t status;
+    } cases[] = {{0.0f, 0.0f, LODE_OK},
+                 {-30.0f, 0.0f, LODE_OK},
+                 {90.0f, 0.0f, LODE_OK},
+                 {-30.1f, 0.0f, LODE_ERROR_GUARD_TEMPERATURE},
+                 {90.1f, 0.0f, LODE_ERROR_GUARD_TEMPERATURE},
+                 {0.0f, 0.5f, LODE_ERROR_GUARD_TIME}};
+    for (int n = 0; n < COUNT_OF(cases); n++) {
+        lode_guard_config_t config = sound();
+        lode_guard_tuning_t tuning;
+        config.temperature_still_s = cases[n].still_s;
+        bare.temperature_offset_degC = cases[n].offset_degC;
+        TEST_ASSERT_EQUAL_INT(cases[n].status,
+                              lode_guard_tune(&tuning, &config, &inverter, &bare, PAPER_TS_s));
+        // With one, of either sign, they are.
+        bare.temperature_gain_degC_count = n % 2 == 0 ? 0.05f : -0.05f;
+        TEST_ASSERT_EQUAL_INT(LODE_OK,
+                              lode_guard_tune(&tuning, &config, &inverter, &bare, PAPER_TS_s));
+        bare.temperature_gain_degC_count = 0.0f;
+    }
 }
 
 /// In rounds of eight periods, two at least, and none where none are asked for; up to what the counters hold.
@@ -818,6 +853,7 @@ int main(void) {
     RUN_TEST(test_the_trip_itself_is_allowed);
     RUN_TEST(test_the_sensors_shorter_side_bounds_the_trip);
     RUN_TEST(test_temperatures_and_speeds_between_which_limits_lie);
+    RUN_TEST(test_without_a_sensor_no_check_of_it_is_taken);
     RUN_TEST(test_times_of_standing_still);
     RUN_TEST(test_motion_is_watched_only_without_a_sensor);
     RUN_TEST(test_samples_that_are_no_number_trip);

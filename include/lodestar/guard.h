@@ -69,20 +69,24 @@ typedef struct {
     float v_bus_max_V;          ///< 0: 1.25 times nominal
     float v_bus_min_V;          ///< 0: 0.6 times nominal
     float temperature_max_degC; ///< power stage; 0: 100
-    float omega_max_rad_s;      ///< ELECTRICAL speed; 0: 1.3 times estimator.omega_max_rad_s
+    /// ELECTRICAL speed; 0: 1.3 times estimator.omega_max_rad_s. Without injection at least the hand-over speed and
+    /// speed.omega_min_rad_s
+    float omega_max_rad_s;
     /// debounce time of bus, temperature and rail; 0: 1 ms. Bus and temperature are checked every 4 periods, and
     /// must be bad at least twice
     float bus_s;
     float lock_s; ///< debounce time of lost lock, wrong way and over-speed; 0: 15 ms
-    float
-        stamp_per_period; ///< counts of the free-running stamp per control period; 0: not monitored
-    float temperature_min_degC; ///< power stage; 0: -40
+    /// counts of the free-running stamp per control period, 1 .. 1e9; 0: not monitored
+    float stamp_per_period;
+    /// power stage; 0: -40. Without a sensor sense.temperature_offset_degC must lie between both
+    float temperature_min_degC;
     /// largest sum of the three phase currents, for the time lock_s; 0: 0.15 i_max; LODE_NONE: no limit
     float i_sum_A;
     /// plausibility checks of the currents, OVERLOAD and FLUX (plausibility.h); auto: on. A build with
     /// LODE_WITHOUT_PLAUSIBILITY has none; auto is then off
     lode_choice_t plausibility;
-    /// with the gates on, noise alone must change the temperature's ADC count within this time; 0: not checked
+    /// with the gates on, noise alone must change the temperature's ADC count within this time; 0: not checked, as
+    /// without a sensor
     float temperature_still_s;
     /// in RUN, while the EMF differs by more than a tenth from what the speed induces, the bus's ADC count must
     /// change within this time; 0: not checked
