@@ -566,6 +566,13 @@ static lode_status_t tune_control(lode_drive_tuning_t *t, const lode_drive_confi
     return status;
 }
 
+// Over-speed lies above the speed at which a start ends, and above the least one in RUN; injection needs neither.
+static lode_status_t check_over_speed(const lode_drive_tuning_t *t, const lode_drive_config_t *c) {
+    const float least = lode_max(t->omega_min, c->start.omega_handover_rad_s);
+    const bool any = t->omega_min < 0.0f;
+    return any || t->guard.omega_max >= least ? LODE_OK : LODE_ERROR_GUARD_SPEED;
+}
+
 lode_status_t lode_drive_check_given(const lode_drive_config_t *config) {
     if (!lode_in_range(config->f_pwm_Hz, F_PWM_MIN_Hz, F_PWM_MAX_Hz)) {
         return LODE_ERROR_F_PWM;
@@ -599,6 +606,9 @@ lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_conf
     }
     if (status == LODE_OK) {
         status = tune_injection(&t, &complete);
+    }
+    if (status == LODE_OK) {
+        status = check_over_speed(&t, &complete);
     }
     if (status == LODE_OK) {
         *tuning = t;

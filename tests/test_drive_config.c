@@ -250,6 +250,34 @@ static void test_sense_must_fit_the_inverter(void) {
     }
 }
 
+/// Over-speed below the speed at which a start ends, or the least one in RUN, would trip at once. With injection there is
+/// neither.
+static void test_over_speed_lies_above_the_least_speed(void) {
+    static lode_drive_tuning_t tuning;
+    lode_drive_config_t config = minimal();
+    lode_drive_config_t designed = config;
+    lode_drive_design(&designed);
+    const float handover = designed.start.omega_handover_rad_s;
+    const struct {
+        float least, limit;
+        lode_status_t status;
+    } cases[] = {
+        {0.6f, 1.01f, LODE_OK},
+        {0.6f, 0.99f, LODE_ERROR_GUARD_SPEED},
+        {1.2f, 1.21f, LODE_OK},
+        {1.2f, 1.19f, LODE_ERROR_GUARD_SPEED},
+    };
+    for (int n = 0; n < COUNT_OF(cases); n++) {
+        config.speed.omega_min_rad_s = cases[n].least * handover;
+        config.guard.omega_max_rad_s = cases[n].limit * handover;
+        TEST_ASSERT_EQUAL_INT(cases[n].status, lode_drive_tune(&tuning, &config));
+    }
+    config.hfi.mode = LODE_HFI_ON;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&tuning, &config));
+    config.guard.omega_max_rad_s = 0.99f * handover;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&tuning, &config));
+}
+
 static void test_double_update_needs_currents_from_the_phases(void) {
     lode_drive_config_t config = minimal();
     config.inverter.double_update = LODE_ON;
@@ -1098,6 +1126,7 @@ int main(void) {
     RUN_TEST(test_negative_values_ask_for_no_default);
     RUN_TEST(test_lode_none_is_for_those_that_may_be_done_without);
     RUN_TEST(test_sense_must_fit_the_inverter);
+    RUN_TEST(test_over_speed_lies_above_the_least_speed);
     RUN_TEST(test_double_update_needs_currents_from_the_phases);
     RUN_TEST(test_two_shunts_bound_the_voltage);
     RUN_TEST(test_the_slope_of_the_switches_counts_as_resistance);
