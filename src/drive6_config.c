@@ -71,12 +71,21 @@ static lode_status_t tune_signal_check(lode_drive6_tuning_t *t,
 #endif
 }
 
-// Given values hold for one set too; what follows from the inductances is designed again.
+// Given values hold for one set too, current gains with its inductances; what follows from the inductances is designed again.
+// Where no set goes on alone, one that cannot is no error.
 static lode_status_t tune_alone(lode_drive6_tuning_t *t, const lode_drive6_config_t *given) {
+    const lode_motor_t *both = &given->drive.motor;
     lode_drive_config_t alone = given->drive;
     alone.hfi.mode = LODE_HFI_OFF;
-    alone.motor = lode_drive6_motor_alone(&given->drive.motor, given->Lxy_H);
-    return lode_drive_tune(&t->alone, &alone);
+    alone.motor = lode_drive6_motor_alone(both, given->Lxy_H);
+    alone.current.kp_d_V_A *= alone.motor.Ld_H / both->Ld_H;
+    alone.current.kp_q_V_A *= alone.motor.Lq_H / both->Lq_H;
+    const lode_status_t status = lode_drive_tune(&t->alone, &alone);
+    if (status != LODE_OK && given->open_phase != LODE_OPEN_PHASE_GO_ON) {
+        t->alone = t->drive;
+        return LODE_OK;
+    }
+    return status;
 }
 
 lode_status_t lode_drive6_tune(lode_drive6_tuning_t *tuning, const lode_drive6_config_t *config) {

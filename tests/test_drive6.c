@@ -1400,14 +1400,51 @@ static void test_bad_configurations_are_refused_by_name(void) {
     config.drive.f_pwm_Hz = 0.0f;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_F_PWM, tried(&config));
     config = rig6_config();
-    config.drive.current.kp_d_V_A =
-        20.0f; // for both sets, but not for one with half the inductance
-    config.drive.current.ki_d_V_As = 100.0f;
+    config.drive.current.kp_d_V_A = 0.41f * (float)(RIG6_LD / RIG6_TS_s);
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_CURRENT_GAINS, tried(&config));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, tried(NULL));
     config = rig6_config();
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive6_init(NULL, &tuning, &config));
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive6_tune(NULL, &config));
+}
+
+/// Gains that both sets bear are accepted; a set alone has the same bandwidth.
+static void test_current_gains_go_with_the_inductances_of_one_set(void) {
+    lode_drive6_config_t config = rig6_config();
+    const lode_motor_t *motor = &config.drive.motor;
+    const lode_motor_t alone = lode_drive6_motor_alone(motor, config.Lxy_H);
+    const float bandwidth_rad_s = 0.39f / (float)RIG6_TS_s;
+    config.drive.current.kp_d_V_A = bandwidth_rad_s * motor->Ld_H;
+    config.drive.current.kp_q_V_A = bandwidth_rad_s * motor->Lq_H;
+    const lode_open_phase_response_t all[] = {LODE_OPEN_PHASE_TRIP, LODE_OPEN_PHASE_GO_ON,
+                                              LODE_OPEN_PHASE_IGNORE};
+    for (int n = 0; n < COUNT_OF(all); n++) {
+        lode_drive6_tuning_t t;
+        config.open_phase = all[n];
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_tune(&t, &config));
+        CHECK_CLOSE(1.0e-5, (double)(bandwidth_rad_s * alone.Ld_H), t.alone.current.d.kp);
+        CHECK_CLOSE(1.0e-5, (double)(bandwidth_rad_s * alone.Lq_H), t.alone.current.q.kp);
+        CHECK_CLOSE(1.0e-5, (double)config.drive.current.kp_d_V_A, t.drive.current.d.kp);
+    }
+}
+
+/// One set has no injection, and needs a start and what that asks for: refused where it is to go on alone only.
+static void test_a_set_that_cannot_run_alone_is_refused_where_it_would(void) {
+    lode_drive6_config_t config = rig6_config();
+    config.drive.hfi = (lode_hfi_config_t){.mode = LODE_HFI_ON, .V_h_V = 70.0f};
+    config.drive.guard.omega_max_rad_s = 5.0f;
+    config.open_phase = LODE_OPEN_PHASE_GO_ON;
+    TEST_ASSERT_EQUAL_INT(LODE_ERROR_GUARD_SPEED, tried(&config));
+    const lode_open_phase_response_t others[] = {LODE_OPEN_PHASE_TRIP, LODE_OPEN_PHASE_IGNORE};
+    for (int n = 0; n < COUNT_OF(others); n++) {
+        lode_drive6_tuning_t t;
+        memset(&t, 0x5a, sizeof t);
+        config.open_phase = others[n];
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_tune(&t, &config));
+        TEST_ASSERT_TRUE(lode_tuning_is_finite(&t.alone)); // its memory is defined all the same
+        TEST_ASSERT_EQUAL_FLOAT(t.drive.references.psi_Wb, t.alone.references.psi_Wb);
+        TEST_ASSERT_EQUAL_FLOAT(5.0f, t.alone.guard.omega_max);
+    }
 }
 
 static void test_two_shunts_in_a_window_leave_the_voltage_that_they_see(void) {
@@ -1790,6 +1827,8 @@ int main(void) {
     RUN_TEST(test_one_set_stops_and_starts_again);
     RUN_TEST(test_one_set_alone_still_calibrates_both);
     RUN_TEST(test_bad_configurations_are_refused_by_name);
+    RUN_TEST(test_current_gains_go_with_the_inductances_of_one_set);
+    RUN_TEST(test_a_set_that_cannot_run_alone_is_refused_where_it_would);
     RUN_TEST(test_two_shunts_in_a_window_leave_the_voltage_that_they_see);
     RUN_TEST(test_a_new_tuning_is_taken_while_it_turns);
     RUN_TEST(test_another_observer_goes_on_with_the_rotor);
