@@ -57,7 +57,10 @@ const char *lode_commission_result_name(lode_commission_result_t result) {
 }
 
 void lode_commission_post(lode_commission_t *self, lode_command_t command) {
-    (void)lode_drive_post_command(self->drive, &command);
+    const lode_status_t status = lode_drive_post_command(self->drive, &command);
+    if (status != LODE_OK) {
+        self->status = status;
+    }
 }
 
 void lode_commission_post_vector(lode_commission_t *self, lode_mode_t mode, float d, float q) {
@@ -213,6 +216,9 @@ void lode_commission_follow(lode_commission_t *self, const lode_commission_perio
             xy ? (lode_dq_t){turned_V.alpha, turned_V.beta} : lode_park(period->u_V, self->axis);
         const lode_dq_t i_A = xy ? (lode_dq_t){turned_A.alpha, turned_A.beta} : self->drive->i_A;
         proceed(self, period, u_V, i_A);
+        if (self->status != LODE_OK && self->result == LODE_COMMISSION_RUNNING) {
+            lode_commission_finish(self, LODE_COMMISSION_REFUSED);
+        }
         self->before_i_A[1] = self->before_i_A[0];
         self->before_i_A[0] = i_A;
         self->before_u_V = u_V;

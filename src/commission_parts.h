@@ -61,6 +61,7 @@ static inline bool lode_commission_is_sure(const lode_commission_t *self,
 
 // In commission.c.
 
+// If the drive refuses it, the commissioning ends with REFUSED in this period.
 void lode_commission_post(lode_commission_t *self, lode_command_t command);
 
 // A voltage or a current, in the axes of the held rotor.

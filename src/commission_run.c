@@ -9,10 +9,11 @@
 #define ABOVE_HANDOVER 1.3f
 #define SPAN_WANTED 2.0f // of the lower speed
 #define SPAN_LEAST 1.3f
-#define HIGH_MOST 0.9f              // of rated speed
-#define HIGH_OF_MOST 0.8f           // of the largest speed that may be commanded: leaves SPEED_ROOM
-#define RUN_TIME_s 0.4f             // between the two speeds, with the configured J
-#define TORQUE_MOST 0.6f            // of the torque at i_max
+#define SPAN_NARROW 1.1f  // with less, where no more speed may be commanded, there is no run
+#define HIGH_MOST 0.9f    // of rated speed
+#define HIGH_OF_MOST 0.8f // of the largest speed that may be commanded: leaves SPEED_ROOM
+#define RUN_TIME_s 0.4f   // between the two speeds, with the configured J
+#define TORQUE_MOST 0.6f  // of the torque at i_max
 #define TORQUE_LEAST (1.0f / 30.0f) // of that
 #define PLL_SETTLES 10.0f           // time constants of the PLL
 #define BIAS_GONE 2.0f              // of the upper speed, where the d current has faded
@@ -61,6 +62,11 @@ void lode_commission_take_standstill(lode_commission_t *self) {
         (self->drive->inverter.v_bus_V * lode_inverter_carrier_Hz(inverter, self->config.f_pwm_Hz));
 }
 
+// Largest electrical speed that may be commanded.
+static float speed_most_rad_s(const lode_drive_config_t *config) {
+    return lode_min(config->estimator.omega_max_rad_s, config->guard.omega_max_rad_s);
+}
+
 // Electrical speeds between which the run goes.
 static lode_range_t run_speeds(const lode_drive_config_t *config) {
     const float rated = config->motor.omega_rated_rad_s;
@@ -68,7 +74,7 @@ static lode_range_t run_speeds(const lode_drive_config_t *config) {
         lode_max(LOW_SHARE * rated, ABOVE_HANDOVER * config->start.omega_handover_rad_s);
     const float wanted = lode_max(
         lode_clamp(SPAN_WANTED * low, HIGH_SHARE * rated, HIGH_MOST * rated), SPAN_LEAST * low);
-    return (lode_range_t){low, lode_min(wanted, HIGH_OF_MOST * config->estimator.omega_max_rad_s)};
+    return (lode_range_t){low, lode_min(wanted, HIGH_OF_MOST * speed_most_rad_s(config))};
 }
 
 static float span_rad_s(const lode_drive_config_t *config) {
@@ -108,8 +114,17 @@ lode_drive_config_t lode_commission_for_run(lode_commission_t *self) {
     return config;
 }
 
+// The speed that may be commanded leaves no span for a run.
+static bool is_narrow(const lode_drive_config_t *config) {
+    const lode_range_t speeds = run_speeds(config);
+    return speeds.max < SPAN_NARROW * speeds.min;
+}
+
 void lode_commission_go_on(lode_commission_t *self, lode_status_t status) {
-    self->status = status;
+    const lode_drive_config_t *config = &self->designed;
+    const bool by_guard = config->guard.omega_max_rad_s < config->estimator.omega_max_rad_s;
+    const lode_status_t too_slow = by_guard ? LODE_ERROR_GUARD_SPEED : LODE_ERROR_OMEGA_MAX;
+    self->status = is_narrow(config) ? too_slow : status;
     LODE_SIGNAL_FENCE();
     self->wants_tuning = false;
 }

@@ -481,18 +481,58 @@ static void test_the_run_has_a_span(void) {
     CHECK_CLOSE(1.0e-5, 1.3 * run_seen.low, run_seen.high);
 }
 
-/// Of a drive that may be little faster than rated: the commanded speed, with its room, is one that may be commanded.
-static void test_the_run_is_no_faster_than_the_estimator(void) {
+/// Of a drive that may be little faster than rated, by estimator or guard: the commanded speed, with its room, is one that may
+/// be commanded.
+static void test_the_run_is_no_faster_than_may_be_commanded(void) {
     const plant_config_t c = machine();
-    lode_drive_config_t config = sheet();
-    config.motor.psi_Wb = (float)c.psi_Wb;
-    config.motor.J_kgm2 = (float)c.J_kgm2;
-    config.motor.omega_rated_rad_s = 471.0f;
-    config.estimator.omega_max_rad_s = 375.0f;
-    begin(&c, &config, NULL);
-    rig.watch = watch_run;
-    expect(LODE_COMMISSION_DONE);
-    CHECK_CLOSE(1.0e-5, 300.0 / 3.0, run_seen.high);
+    for (int by_guard = 0; by_guard <= 1; by_guard++) {
+        lode_drive_config_t config = sheet();
+        config.motor.psi_Wb = (float)c.psi_Wb;
+        config.motor.J_kgm2 = (float)c.J_kgm2;
+        config.motor.omega_rated_rad_s = 471.0f;
+        *(by_guard == 1 ? &config.guard.omega_max_rad_s : &config.estimator.omega_max_rad_s) =
+            375.0f;
+        begin(&c, &config, NULL);
+        rig.watch = watch_run;
+        expect(LODE_COMMISSION_DONE);
+        CHECK_CLOSE(1.0e-5, 300.0 / 3.0, run_seen.high);
+    }
+}
+
+/// A span of at least 1.1: from 0.3 of rated speed, 141 rad/s, to 0.8 of what may be commanded.
+static void test_no_run_without_a_span(void) {
+    const plant_config_t c = machine();
+    const struct {
+        float estimator, guard;
+        lode_status_t status;
+    } cases[] = {{190.0f, 0.0f, LODE_ERROR_OMEGA_MAX},
+                 {0.0f, 190.0f, LODE_ERROR_GUARD_SPEED},
+                 {0.0f, 150.0f, LODE_ERROR_GUARD_SPEED}};
+    for (int n = 0; n < COUNT_OF(cases); n++) {
+        lode_drive_config_t config = sheet();
+        config.motor.omega_rated_rad_s = 471.0f;
+        config.estimator.omega_max_rad_s = cases[n].estimator;
+        config.guard.omega_max_rad_s = cases[n].guard;
+        begin(&c, &config, NULL);
+        expect(LODE_COMMISSION_REFUSED);
+        TEST_ASSERT_EQUAL(cases[n].status, rig.commission.status);
+        TEST_ASSERT_EQUAL(LODE_MODE_OFF, rig.drive.mode);
+    }
+}
+
+static void want_too_much(rig_t *r) {
+    if (r->commission.stage == UP) {
+        r->commission.high_rad_s = 1.0e5f;
+    }
+}
+
+static void test_a_refused_command_ends_it(void) {
+    const plant_config_t c = machine();
+    const lode_drive_config_t config = sheet();
+    begin(&c, &config, want_too_much);
+    expect(LODE_COMMISSION_REFUSED);
+    TEST_ASSERT_EQUAL(LODE_ERROR_COMMAND_SPEED, rig.commission.status);
+    TEST_ASSERT_EQUAL(OVER, rig.commission.stage);
 }
 
 static void steady_counts(rig_t *r) {
@@ -1602,7 +1642,9 @@ int main(void) {
     RUN_TEST(test_quantity_under_way);
     RUN_TEST(test_speeds_of_the_run);
     RUN_TEST(test_the_run_has_a_span);
-    RUN_TEST(test_the_run_is_no_faster_than_the_estimator);
+    RUN_TEST(test_the_run_is_no_faster_than_may_be_commanded);
+    RUN_TEST(test_no_run_without_a_span);
+    RUN_TEST(test_a_refused_command_ends_it);
     RUN_TEST(test_offsets_are_the_mean_of_the_counts);
     RUN_TEST(test_a_line_that_is_bent);
     RUN_TEST(test_a_current_that_sways);

@@ -63,7 +63,7 @@ typedef enum {
     LODE_COMMISSION_UNSURE,     ///< the confidence in `quantity` is too low
     LODE_COMMISSION_NO_CURRENT, ///< the voltage has reached its limit without the current
     LODE_COMMISSION_UNSETTLED,  ///< the rotor did not come to rest under a current
-    LODE_COMMISSION_REFUSED,    ///< the drive refuses the measured values: `status`
+    LODE_COMMISSION_REFUSED,    ///< the drive refuses the measured values, or a command: `status`
     LODE_COMMISSION_NO_START    ///< the motor did not reach the speed of the run
 } lode_commission_result_t;
 
