@@ -383,7 +383,8 @@ bool lode_hfi_follow(lode_hfi_t *self, const lode_hfi_tuning_t *tuning, lode_dq_
         self->of.iq_A = i_A.q;
     }
     const bool random = (self->signs & LODE_HFI_RANDOM) != 0u;
-    if (random != (tuning->silent > 0u)) { // another tuning; the sign last used stays
+    const bool silent = tuning->silent > 0u;
+    if (random != silent) { // another tuning; the sign last used stays
         self->signs = (uint_least16_t)((self->signs & LODE_HFI_NEGATIVE) | tuning->silent);
     }
     self->weight = lode_clamp((tuning->omega_high - speed) * tuning->inv_span, 0.0f, 1.0f);
