@@ -132,8 +132,9 @@ lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning
 #ifndef LODE_WITHOUT_TORQUE_LIMITS
 
 static uint_least16_t torque_share(float share) {
-    const float steps = (float)LODE_TORQUE_SHARE_ONE * lode_clamp(share, 0.0f, 1.0f) + 0.5f;
-    return (uint_least16_t)steps;
+    const float steps = 0.5f * (float)LODE_TORQUE_SHARE_ONE * lode_clamp(share, 0.0f, 1.0f) + 0.5f;
+    const uint32_t even = 2u * (uint32_t)(int32_t)steps;
+    return (uint_least16_t)(even | (lode_mode_share_is_sound(even) ? 0u : 1u));
 }
 
 void lode_drive_limit_torque(lode_drive_t *self, float share) {

@@ -27,8 +27,9 @@ LODE_INLINE lode_range_t lode_drive_torque_limits(const lode_drive_t *self, lode
     return most;
 #else
     const uint32_t backwards = self->estimator.pll.omega_rad_s < 0.0f ? 1u : 0u;
-    const float up = PER_SHARE * (float)self->torque_share[backwards];
-    const float down = PER_SHARE * (float)self->torque_share[backwards ^ 1u];
+    const uint32_t parity = LODE_TORQUE_SHARE_PARITY;
+    const float up = PER_SHARE * (float)(self->torque_share[backwards] & ~parity);
+    const float down = PER_SHARE * (float)(self->torque_share[backwards ^ 1u] & ~parity);
     return (lode_range_t){down * most.min, up * most.max};
 #endif
 }

@@ -125,8 +125,22 @@ LODE_NOINLINE bool lode_mode_motion_ok(lode_drive_t *self) {
     return false;
 }
 
+static bool limits_are_sound(const lode_drive_t *self) {
+#ifdef LODE_WITHOUT_TORQUE_LIMITS
+    (void)self;
+    return true;
+#else
+    return lode_mode_share_is_sound(self->torque_share[0]) &&
+           lode_mode_share_is_sound(self->torque_share[1]);
+#endif
+}
+
 // Torque control renews the reference in each call.
 LODE_NOINLINE bool lode_mode_reference_ok(lode_drive_t *self) {
+    if (!limits_are_sound(self)) {
+        lode_mode_fault(self, LODE_CHECK_MEMORY, 6.0f, 0.0f);
+        return false;
+    }
     const lode_drive_tuning_t *tuning = self->tuning;
     const float most = tuning->estimator.omega_limit * tuning->speed.inv_pole_pairs;
     if (lode_abs(self->state.run.speed.reference_rad_s) <= most || lode_mode_is_torque(self)) {

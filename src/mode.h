@@ -137,6 +137,17 @@ static inline bool lode_mode_memory_ok(lode_drive_t *self, lode_words_t tuning) 
            lode_tuning_watch_word(self, tuning);
 }
 
+#ifndef LODE_WITHOUT_TORQUE_LIMITS
+
+// An even number of ones in the 16 bits of a share of the torque.
+static inline bool lode_mode_share_is_sound(uint32_t share) {
+    const uint32_t octet = share ^ (share >> 8);
+    const uint32_t nibble = (octet ^ (octet >> 4)) & 0xFu;
+    return ((0x6996u >> nibble) & 1u) == 0u; // parity of 0 .. 15
+}
+
+#endif
+
 // Largest mechanical speed that may be commanded: the estimator's omega_max or the guard's trip limit, whichever is lower.
 float lode_mode_most_rad_s(const lode_drive_tuning_t *tuning);
 

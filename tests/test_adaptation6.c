@@ -165,6 +165,7 @@ static void expect_changed_only_by(const lode_drive_tuning_t *base, lode_drive_t
     now.estimator.load_per_f_Nm = base->estimator.load_per_f_Nm;
     now.estimator.acc_per_torque = base->estimator.acc_per_torque;
     now.estimator.acc_per_omega = base->estimator.acc_per_omega;
+    now.estimator.acc_most = base->estimator.acc_most;
     now.estimator.emf.a_over_b = base->estimator.emf.a_over_b;
     TEST_ASSERT_EQUAL_MEMORY(base, &now, sizeof now);
 }

@@ -639,6 +639,22 @@ static void check_memory(rig_t rig, float which) {
     TEST_ASSERT_EQUAL_INT(which > 0.0f, is_idle(rig.out));
 }
 
+/// A flipped bit of the application's limits; they hold no torque back that is allowed, and none is allowed that is not.
+static void test_a_torque_limit_that_changes_by_itself_trips(void) {
+    const float shares[] = {1.0f, 0.7f, 0.3f, 0.0f};
+    rig_t sound = before_slot(SLOT_DEAD_TIME, 0.1);
+    for (int n = 0; n < COUNT_OF(shares); n++) {
+        lode_drive_limit_torques(&sound.drive, shares[n], shares[COUNT_OF(shares) - 1 - n]);
+        check_memory(sound, 0.0f);
+        for (uint32_t bit = 0u; bit < 32u; bit++) {
+            rig_t rig = sound;
+            rig.drive.torque_share[bit / 16u] =
+                (uint_least16_t)(rig.drive.torque_share[bit / 16u] ^ (1u << bit % 16u));
+            check_memory(rig, 6.0f);
+        }
+    }
+}
+
 /// (P30), from the configuration: the longest vector of currents below the trip limit, and no friction.
 static double most_acceleration(void) {
     const lode_drive_config_t c = rig_config();
@@ -936,6 +952,7 @@ int main(void) {
     RUN_TEST(test_a_direction_that_turns_over_starts_anew);
     RUN_TEST(test_a_q_axis_that_changes_by_itself_does_not_last);
     RUN_TEST(test_a_posted_command_is_not_lost_by_a_flip);
+    RUN_TEST(test_a_torque_limit_that_changes_by_itself_trips);
     RUN_TEST(test_after_a_trip_the_telemetry_keeps_what_the_drive_was_doing);
     RUN_TEST(test_the_row_of_every_fault_keeps_the_values_of_its_step);
     RUN_TEST(test_lost_lock_and_wrong_way_trip_in_20_ms);

@@ -220,6 +220,8 @@ enum {
 };
 
 #define LODE_TORQUE_SHARE_ONE 0x8000u // full share; two shares fit into one 32-bit word
+#define LODE_TORQUE_SHARE_PARITY                                                                   \
+    1u // bit that makes the number of ones even, so that a flipped bit is found
 
 /// A drive. The members are visible for static allocation; only the functions below write them.
 typedef struct {
@@ -256,7 +258,8 @@ typedef struct {
     lode_dq_t u_V;   ///< voltage requested by current control, V
     lode_abc_t duty; ///< returned by the last call
 #ifndef LODE_WITHOUT_TORQUE_LIMITS
-    /// permitted share of the torque range, for motoring and for braking: 0 .. LODE_TORQUE_SHARE_ONE
+    /// permitted share of the torque range, for motoring and for braking: 0 .. LODE_TORQUE_SHARE_ONE, with
+    /// LODE_TORQUE_SHARE_PARITY
     uint_least16_t torque_share[2];
 #endif
     float direction; ///< direction of rotation, -1 or +1

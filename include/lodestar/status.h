@@ -81,12 +81,12 @@ typedef enum {
     LODE_ERROR_START_DAMPING, ///< damping neither 0 .. 2 nor LODE_NONE
     LODE_ERROR_GUARD_CURRENT, ///< trip current below i_max_A or beyond the sensor, or i_sum_A out of range
     LODE_ERROR_GUARD_BUS,         ///< bus limits that do not enclose v_bus_V, or beyond the sensor
-    LODE_ERROR_GUARD_TEMPERATURE, ///< temperature limits out of range or not in order
-    LODE_ERROR_GUARD_SPEED,       ///< over-speed limit outside 1 .. 1e6
-    LODE_ERROR_GUARD_TIME,        ///< a time of the guard, or stamp_per_period, out of range
-    LODE_ERROR_GUARD_FLUX,        ///< flux_share outside 0.1 .. 1
-    LODE_ERROR_HFI_MODE,          ///< hfi.mode not an enumerator, or not built in
-    LODE_ERROR_HFI_SALIENCY,      ///< Lq'(i_max)/Ld below 1.15: injection would lose the d axis
+    LODE_ERROR_GUARD_TEMPERATURE, ///< temperature limits out of range or not in order, or the temperature without a sensor is not between them
+    LODE_ERROR_GUARD_SPEED, ///< over-speed limit outside 1 .. 1e6, or below hand-over or least speed
+    LODE_ERROR_GUARD_TIME, ///< a time of the guard, or stamp_per_period, out of range; or temperature_still_s without a sensor
+    LODE_ERROR_GUARD_FLUX,   ///< flux_share outside 0.1 .. 1
+    LODE_ERROR_HFI_MODE,     ///< hfi.mode not an enumerator, or not built in
+    LODE_ERROR_HFI_SALIENCY, ///< Lq'(i_max)/Ld below 1.15: injection would lose the d axis
     LODE_ERROR_HFI_VOLTAGE, ///< V_h_V outside 0 .. half the voltage circle, or noise_A not 0 .. i_max_A
     LODE_ERROR_HFI_DEAD_TIME, ///< V_h_V too small for the voltage that dead time takes
     LODE_ERROR_HFI_SPEEDS,    ///< not 0.1 <= w1 <= 0.95 w2, or w2 above omega_max_rad_s

@@ -98,7 +98,7 @@ static void print_failure(FILE *file, const commission_run_t *run) {
         (void)fprintf(file, "%s, while measuring %s\n", what, name);
         break;
     case LODE_COMMISSION_REFUSED:
-        (void)fprintf(file, "the drive refuses the values measured at standstill: %s\n",
+        (void)fprintf(file, "the drive refuses what was measured, or a command of the run: %s\n",
                       lode_status_name(own->status));
         break;
     case LODE_COMMISSION_UNSURE:

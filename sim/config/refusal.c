@@ -176,17 +176,17 @@ static const refusal_t refusals[] = {
      "drive.v_bus_V drive.v_range_V",
      "limits around v_bus_V, inside the sensor's range ([drive] v_range_V)"},
     {LODE_ERROR_GUARD_TEMPERATURE, "guard.temperature_max_degC guard.temperature_min_degC", NULL,
-     "temperature_max_degC -100 .. 1000, temperature_min_degC -300 .. temperature_max_degC"},
+     "temperature_max_degC -100 .. 1000, temperature_min_degC -300 .. temperature_max_degC; "
+     "without a temperature sensor the constant temperature between both"},
     {LODE_ERROR_GUARD_SPEED, "guard.omega_max_rad_s", "estimator.omega_max_rad_s " RATED,
-     "1 .. 1e6"},
+     "1 .. 1e6; without injection at least start.omega_handover_rad_s and speed.omega_min_rad_s"},
     {LODE_ERROR_GUARD_TIME,
      "guard.bus_s guard.lock_s guard.stamp_per_period guard.temperature_still_s guard.bus_still_s "
      "guard.overload_s",
      "drive.f_pwm_Hz",
-     "bus_s and lock_s 1 period .. 10 s, stamp_per_period 0 .. 1e9, temperature_still_s and "
-     "bus_still_s 0 .. "
-     "524280 "
-     "periods, overload_s 1 period .. 10 s or none"},
+     "bus_s and lock_s 1 period .. 10 s, stamp_per_period 0 or 1 .. 1e9, temperature_still_s and "
+     "bus_still_s 0 .. 524280 periods (temperature_still_s 0 without a sensor), overload_s 1 "
+     "period .. 10 s or none"},
     {LODE_ERROR_GUARD_FLUX, "guard.flux_share", NULL, "0.1 .. 1 or none"},
 };
 

@@ -120,8 +120,8 @@ static inline void fuzz_loop_limit(fuzz_loop_t *self, fuzz_t *in, lode_drive_t *
     const float motoring = fuzz_number(in, 1.2f);
     const float braking = fuzz_number(in, 1.2f);
     lode_drive_limit_torques(drive, motoring, braking);
-    FUZZ_CHECK(drive->torque_share[0] <= LODE_TORQUE_SHARE_ONE);
-    FUZZ_CHECK(drive->torque_share[1] <= LODE_TORQUE_SHARE_ONE);
+    FUZZ_CHECK(drive->torque_share[0] <= (LODE_TORQUE_SHARE_ONE | LODE_TORQUE_SHARE_PARITY));
+    FUZZ_CHECK(drive->torque_share[1] <= (LODE_TORQUE_SHARE_ONE | LODE_TORQUE_SHARE_PARITY));
     self->periods_without = 0u;
 }
 
