@@ -49,7 +49,7 @@ static const light_t four_times = {0.75f, 4.9f};
 #define DIP_GAIN 2.0f
 #define DIP_GAIN_MAX 10.0f
 // (K48): half-waves of a swing, the slowest one over half a period of sigma at low speed, and their amplitude over the rated torque.
-#define SWINGS 16
+#define SWINGS 16u
 #define SWING_TIMES 1.5f
 #define SWING_SHARE 0.03f
 #define SWING_MAX_Nm 1.0e6f
@@ -347,9 +347,16 @@ LODE_NOINLINE float lode_speed_shaped_step(lode_speed_t *self, const lode_speed_
 
 #endif
 
-// Not LODE_RAMFUNC: rare.
-LODE_NOINLINE float lode_speed_dip_Nm(const lode_speed_t *self, const lode_speed_tuning_t *tuning,
-                                      float gain, float error) {
+// The rotor lacks so much of the reference.
+LODE_INLINE bool dips(const lode_speed_t *self, float gain, float error) {
+    const float reference = self->reference_rad_s;
+    return error * reference > LODE_SPEED_DIP_SHARE * gain * reference * reference;
+}
+
+// Further torque where a load has taken more than LODE_SPEED_DIP_SHARE of the speed (K47). `error`: of the speed, with the gain's
+// factor `gain`. Not LODE_RAMFUNC: rare.
+static LODE_NOINLINE float dip_Nm(const lode_speed_t *self, const lode_speed_tuning_t *tuning,
+                                  float gain, float error) {
     const float reference = self->reference_rad_s;
     const float lacking = error - LODE_SPEED_DIP_SHARE * gain * reference;
     const float more =
@@ -357,15 +364,59 @@ LODE_NOINLINE float lode_speed_dip_Nm(const lode_speed_t *self, const lode_speed
     return lode_abs(reference) >= tuning->dip_least ? more * tuning->pi.kp * lacking : 0.0f;
 }
 
-// Not LODE_RAMFUNC: rare.
-LODE_NOINLINE void lode_speed_count_swing(lode_speed_t *self) {
+// A half-wave in the other direction than the last one (K48). Not LODE_RAMFUNC: rare.
+static LODE_NOINLINE void count_swing(lode_speed_t *self) {
     self->swung_up = !self->swung_up;
     self->swing_age = 0;
     self->swings++;
-    if (self->swings >= SWINGS) {
+    if ((uint32_t)self->swings >= SWINGS) {
         self->swings = 0;
         self->calm = LODE_SPEED_CALM;
     }
+}
+
+// Watches the correction `torque_Nm` for swings (K48).
+LODE_INLINE void watch_swing(lode_speed_t *self, const lode_speed_tuning_t *tuning,
+                             float torque_Nm) {
+    if ((self->swung_up ? -torque_Nm : torque_Nm) > tuning->swing_Nm) {
+        count_swing(self);
+    } else if ((float)self->swing_age < tuning->swing_calls) {
+        self->swing_age++;
+    } else {
+        self->swings = 0;
+    }
+}
+
+LODE_RAMFUNC LODE_NOINLINE float lode_speed_step(lode_speed_t *self,
+                                                 const lode_speed_tuning_t *tuning,
+                                                 float target_rad_s, float omega_rad_s,
+                                                 float load_Nm) {
+    const float step = lode_speed_ramp(self, tuning, target_rad_s);
+    const float gain = self->calm * lode_speed_gain(tuning, omega_rad_s);
+    const float error = gain * (self->reference_rad_s - omega_rad_s * tuning->inv_pole_pairs);
+    // A rotor ahead of its ramp needs no torque to follow it: the controller's opposing torque is taken off the ramp's, but not
+    // beyond zero.
+    const float push = self->calm * tuning->inertia_Nm * step;
+    const float against = tuning->pi.kp * error;
+    watch_swing(self, tuning, against);
+    const float ramp = push > 0.0f ? lode_clamp(push + against, 0.0f, push)
+                                   : lode_clamp(push + against, push, 0.0f);
+    const float ff = lode_speed_fed(tuning, omega_rad_s) * load_Nm + ramp;
+    float unlimited = lode_pi_output(&self->pi, &tuning->pi, error, ff);
+    if (dips(self, gain, error)) {
+        // like the proportional part, it takes no room from the integral
+        unlimited += dip_Nm(self, tuning, gain, error);
+    }
+    const lode_range_t limit = self->limit_Nm;
+    if (lode_in_range(unlimited, limit.min, limit.max)) {
+        lode_pi_integrate(&self->pi, &tuning->pi, error);
+        self->torque_Nm = unlimited;
+        return unlimited;
+    }
+    const float torque = lode_clamp(unlimited, limit.min, limit.max);
+    lode_pi_settle(&self->pi, &tuning->pi, error, ff, unlimited, torque);
+    self->torque_Nm = torque;
+    return torque;
 }
 
 #ifndef LODE_WITHOUT_TORQUE_CONTROL
@@ -384,9 +435,7 @@ static float torque_at(const lode_speed_t *self, const lode_speed_tuning_t *tuni
         return tuning->pi.kp * error + load.all_Nm;
     }
     const float torque = lode_pi_output(&self->pi, &tuning->pi, error, load.fed_Nm);
-    return lode_speed_dips(self, gain, error)
-               ? torque + lode_speed_dip_Nm(self, tuning, gain, error)
-               : torque;
+    return dips(self, gain, error) ? torque + dip_Nm(self, tuning, gain, error) : torque;
 }
 
 // Not LODE_RAMFUNC: once in a round.
