@@ -64,7 +64,7 @@
 #define PSI_DEAD 0.005f
 #define RS_DEAD 0.02f
 
-// As in lode_speed_design(): bandwidth times the run-up time, and share of the torque for the ramp.
+// As in lode_speed_design(): bandwidth times the run-up time, and the largest share of the torque for the ramp.
 #define BANDWIDTH_RUN_UP_MAX 13.0f
 #define RAMP_TORQUE_SHARE 0.5f
 

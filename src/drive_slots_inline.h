@@ -258,8 +258,8 @@ LODE_SHARED bool lode_drive_guard(lode_drive_t *self, const lode_drive_tuning_t 
     const uint16_t count = lode_sense_hotter(&tuning->sense, sample->temperature, other);
     self->temperature = count;
     const lode_condition_t condition = lode_drive_condition(self);
-    const bool sensorless = lode_mode(self) == LODE_MODE_RUN;
-    if (!lode_guard_slow_ok(&self->guard, &tuning->guard, &condition, sensorless)) {
+    const bool runs = lode_mode(self) == LODE_MODE_RUN;
+    if (!lode_guard_slow_ok(&self->guard, &tuning->guard, &condition, runs)) {
         lode_drive_check_slow(self);
     }
 #ifndef LODE_WITHOUT_PLAUSIBILITY

@@ -384,6 +384,7 @@ LODE_INLINE void lode_estimator_note_lock(lode_estimator_t *self,
     }
 #ifndef LODE_WITHOUT_BRAKE_SLIP
     if (slip > SLIP_MIN) {
+        // By the slip that was seen: what the first one changes, the second one sees in the frame.
         lode_estimator_brake_slip(self, tuning, slip);
         lode_estimator_limit_slip(self, tuning, slip);
     }

@@ -348,7 +348,7 @@ void lode_guard_check_slow(lode_guard_t *self, const lode_guard_tuning_t *tuning
     const bool good = lode_guard_is_good(self);
     self->pending = self->rail > 0u;
     count_power(self, tuning, condition);
-    if (now.sensorless) {
+    if (now.runs) {
         count_motion(self, tuning, condition);
     }
     if (good && !lode_guard_is_good(self)) {

@@ -59,11 +59,11 @@ LODE_INLINE bool lode_guard_motion_ok(const lode_guard_tuning_t *tuning,
                         condition->omega_rad_s <= tuning->omega_max);
 }
 
-// lode_guard_check_slow() would have nothing to do. `sensorless`: the estimator drives the motor.
+// lode_guard_check_slow() would have nothing to do. `runs`: RUN, by whatever angle.
 LODE_INLINE bool lode_guard_slow_ok(const lode_guard_t *self, const lode_guard_tuning_t *tuning,
-                                    const lode_condition_t *condition, bool sensorless) {
+                                    const lode_condition_t *condition, bool runs) {
     return !self->pending && lode_guard_power_ok(tuning, condition) &&
-           (lode_guard_motion_ok(tuning, condition) || !sensorless);
+           (lode_guard_motion_ok(tuning, condition) || !runs);
 }
 
 #endif

@@ -72,7 +72,7 @@ static bench_t bench(void) {
                                .temperature_degC = 40.0f,
                                .omega_rad_s = 300.0f,
                                .lock = 0.95f},
-                 .now = {.state = STATE, .sensorless = true}};
+                 .now = {.state = STATE, .runs = true}};
     const lode_guard_config_t config = sound();
     b.tuning = tuned(&config);
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_sense_tune(&b.sensing, &board, 12.0f, 200.0f, PAPER_TS_s));
@@ -342,7 +342,7 @@ static void test_the_trip_itself_is_allowed(void) {
 
 static void test_motion_is_watched_only_without_a_sensor(void) {
     bench_t b = bench();
-    b.now.sensorless = false;
+    b.now.runs = false;
     b.condition.lock = 0.0f;
     b.condition.omega_rad_s = -9000.0f;
     TEST_ASSERT_EQUAL_INT(1000, steps_to_trip(&b, 1000));

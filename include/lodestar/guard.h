@@ -171,7 +171,7 @@ typedef struct {
 /// What lode_guard_check_slow() needs to know about the drive.
 typedef struct {
     uint_least8_t state; ///< lode_mode_t
-    bool sensorless;     ///< the estimator provides the rotor angle
+    bool runs;           ///< RUN, by whatever angle
 } lode_situation_t;
 
 /// Quantities that change slowly.
