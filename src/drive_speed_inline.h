@@ -27,12 +27,9 @@ LODE_INLINE lode_range_t lode_drive_torque_limits(const lode_drive_t *self, lode
     return most;
 #else
     const uint32_t backwards = self->estimator.pll.omega_rad_s < 0.0f ? 1u : 0u;
-    const uint32_t ahead = self->torque_share[backwards];
-    const uint32_t against = self->torque_share[backwards ^ 1u];
-    const uint32_t steps = ~LODE_TORQUE_SHARE_PARITY;
-    const float up = PER_SHARE * (float)(ahead & steps);
-    const float down = PER_SHARE * (float)(against & steps);
-    return (lode_range_t){down * most.min, up * most.max};
+    const uint32_t up = self->torque_share[backwards] & ~LODE_TORQUE_SHARE_PARITY;
+    const uint32_t down = self->torque_share[backwards ^ 1u] & ~LODE_TORQUE_SHARE_PARITY;
+    return (lode_range_t){PER_SHARE * (float)down * most.min, PER_SHARE * (float)up * most.max};
 #endif
 }
 

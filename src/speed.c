@@ -186,7 +186,8 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     const float dip_gain = injects ? LODE_NONE : lode_min(DIP_GAIN, room - 1.0f);
     config->dip_gain = lode_given_or(config->dip_gain, dip_gain > 0.0f ? dip_gain : LODE_NONE);
     const float rated_Nm = RATED_LOAD * inverter->i_max_A * lode_motor_kt_Nm_A(motor);
-    config->swing_Nm = lode_given_or(config->swing_Nm, SWING_SHARE * rated_Nm);
+    config->swing_Nm =
+        lode_given_or(config->swing_Nm, injects ? LODE_NONE : SWING_SHARE * rated_Nm);
     const float ramp_share =
         lode_min(RAMP_TORQUE_SHARE, RAMP_BANDWIDTH_SHARE * config->bandwidth_rad_s * run_up_s);
     config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, ramp_share * inverter->i_max_A *
@@ -293,7 +294,7 @@ void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, flo
     self->calm = 1.0f;
     self->swing_age = 0;
     self->swings = 0;
-    self->swung_up = false;
+    self->swung_up = 0u;
     self->limit_Nm = (lode_range_t){-most_Nm, most_Nm};
 }
 
@@ -366,7 +367,7 @@ static LODE_NOINLINE float dip_Nm(const lode_speed_t *self, const lode_speed_tun
 
 // A half-wave in the other direction than the last one (K48). Not LODE_RAMFUNC: rare.
 static LODE_NOINLINE void count_swing(lode_speed_t *self) {
-    self->swung_up = !self->swung_up;
+    self->swung_up = self->swung_up == 0u ? 1u : 0u;
     self->swing_age = 0;
     self->swings++;
     if ((uint32_t)self->swings >= SWINGS) {
@@ -378,7 +379,7 @@ static LODE_NOINLINE void count_swing(lode_speed_t *self) {
 // Watches the correction `torque_Nm` for swings (K48).
 LODE_INLINE void watch_swing(lode_speed_t *self, const lode_speed_tuning_t *tuning,
                              float torque_Nm) {
-    if ((self->swung_up ? -torque_Nm : torque_Nm) > tuning->swing_Nm) {
+    if ((self->swung_up != 0u ? -torque_Nm : torque_Nm) > tuning->swing_Nm) {
         count_swing(self);
     } else if ((float)self->swing_age < tuning->swing_calls) {
         self->swing_age++;

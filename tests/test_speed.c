@@ -677,6 +677,7 @@ static void test_design_fills_what_is_open(void) {
     CHECK_CLOSE(1.0e-6, 1.0, config.inertia_feed_forward);
     CHECK_CLOSE(1.0e-6, 60.0, config.omega_min_rad_s);
     CHECK_CLOSE(1.0e-6, 0.03 * TORQUE_MAX / 1.5, config.swing_Nm);
+    TEST_ASSERT_EQUAL_FLOAT(LODE_NONE, designed((with_t){.injects = true}).swing_Nm);
     const lode_speed_config_t all = sound();
     const lode_speed_config_t kept = designed((with_t){.config = all, .omega_min = 30.0});
     TEST_ASSERT_EQUAL_MEMORY(&all, &kept, sizeof all);

@@ -43,7 +43,7 @@ typedef struct {
     /// 0: 2, or less for a bandwidth of sigma at low speed in all, and none with injection; LODE_NONE: none
     float dip_gain;
     /// amplitude of torque with which the correction of the speed swings until both gains are halved (K48);
-    /// 0: 3 % of the torque at i_max/1.5; LODE_NONE: never
+    /// 0: 3 % of the torque at i_max/1.5, and never with injection; LODE_NONE: never
     float swing_Nm;
     /// lowest ELECTRICAL speed that is held without an angle sensor; 0: hand-over speed
     float omega_min_rad_s;
@@ -85,7 +85,7 @@ typedef struct {
     float calm;      ///< factor of both gains: 1, or LODE_SPEED_CALM since they swung (K48)
     uint_least16_t swing_age; ///< calls since the last half-wave, at most swing_calls
     uint_least8_t swings;     ///< half-waves of the present swing
-    bool swung_up;            ///< the last one was positive
+    uint_least8_t swung_up;   ///< not 0: the last one was positive
     lode_range_t limit_Nm;    ///< limits of the torque reference; kept up to date by the drive
 } lode_speed_t;
 

@@ -29,7 +29,7 @@ static void print_lowered(FILE *file, const commission_run_t *run) {
         (void)fprintf(
             file,
             "\nlimited by the bus voltage, see `design`: the run was that of a rated speed "
-            "of %.0f rpm, up to\nwhich rated torque is possible\n",
+            "of %.0f rpm: up to\n0.7 of it rated torque is possible\n",
             rig_rpm_from_rad_s(run->lowered_rad_s) / np);
     }
 }

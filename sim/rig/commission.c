@@ -60,7 +60,7 @@ const lode_commission_t *commission_of(const commission_run_t *self) {
 }
 
 /// The run goes up to some 0.7 of rated speed with 0.6 of the torque of i_max. If that is more than the voltage
-/// allows with the current of rated torque, the speed of that is the rated speed for the run.
+/// allows with the current of rated torque, the rated speed for the run is lower: the run then goes up to the speed of that torque.
 static double lowered_rated(const rig_config_t *config) {
     const double rated = (double)config->drive.motor.omega_rated_rad_s;
     if (rig_config_judge(config) != LODE_OK) {
@@ -69,7 +69,7 @@ static double lowered_rated(const rig_config_t *config) {
     const speed_limits_t limits = speed_limits_of(&config->drive);
     const bool reached = RUN_SHARE * rated <= limits.rated_torque_rad_s ||
                          !isnan(limits.weakened_rad_s) || !(limits.rated_torque_rad_s > 0.0);
-    return reached ? NAN : limits.rated_torque_rad_s;
+    return reached ? NAN : limits.rated_torque_rad_s / RUN_SHARE;
 }
 
 static lode_status_t init(commission_run_t *self, const rig_config_t *config) {
