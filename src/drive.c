@@ -196,7 +196,7 @@ uint32_t lode_drive_limited(const lode_drive_t *self) {
     return (is_limited(speed) ? (uint32_t)LODE_LIMITED_TORQUE : 0u) |
            (is_raised(self) ? (uint32_t)LODE_LIMITED_RAISED : 0u) |
            (is_held(self, speed) ? (uint32_t)LODE_LIMITED_HELD : 0u) |
-           (speed->calm < 1.0f ? (uint32_t)LODE_LIMITED_GAINS : 0u);
+           (speed->calmed != 0u ? (uint32_t)LODE_LIMITED_GAINS : 0u);
 }
 
 // Position error by EMF and by injection, and the weight of injection in the PLL.

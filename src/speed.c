@@ -291,7 +291,7 @@ void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, flo
     lode_pi_reset(&self->pi, torque_Nm - fed * load_Nm);
     set_reference(self, omega_rad_s);
     self->torque_Nm = torque_Nm;
-    self->calm = 1.0f;
+    self->calmed = 0u;
     self->swing_age = 0;
     self->swings = 0;
     self->swung_up = 0u;
@@ -360,8 +360,8 @@ static LODE_NOINLINE float dip_Nm(const lode_speed_t *self, const lode_speed_tun
                                   float gain, float error) {
     const float reference = self->reference_rad_s;
     const float lacking = error - LODE_SPEED_DIP_SHARE * gain * reference;
-    const float more =
-        (1.0f + tuning->dip_gain) / self->calm - 1.0f; // gains that are halved are whole again
+    const float more = (1.0f + tuning->dip_gain) / lode_speed_calm(self) -
+                       1.0f; // gains that are halved are whole again
     return lode_abs(reference) >= tuning->dip_least ? more * tuning->pi.kp * lacking : 0.0f;
 }
 
@@ -372,7 +372,7 @@ static LODE_NOINLINE void count_swing(lode_speed_t *self) {
     self->swings++;
     if ((uint32_t)self->swings >= SWINGS) {
         self->swings = 0;
-        self->calm = LODE_SPEED_CALM;
+        self->calmed = 1u;
     }
 }
 
@@ -393,11 +393,12 @@ LODE_RAMFUNC LODE_NOINLINE float lode_speed_step(lode_speed_t *self,
                                                  float target_rad_s, float omega_rad_s,
                                                  float load_Nm) {
     const float step = lode_speed_ramp(self, tuning, target_rad_s);
-    const float gain = self->calm * lode_speed_gain(tuning, omega_rad_s);
+    const float calm = lode_speed_calm(self);
+    const float gain = calm * lode_speed_gain(tuning, omega_rad_s);
     const float error = gain * (self->reference_rad_s - omega_rad_s * tuning->inv_pole_pairs);
     // A rotor ahead of its ramp needs no torque to follow it: the controller's opposing torque is taken off the ramp's, but not
     // beyond zero.
-    const float push = self->calm * tuning->inertia_Nm * step;
+    const float push = calm * tuning->inertia_Nm * step;
     const float against = tuning->pi.kp * error;
     watch_swing(self, tuning, against);
     const float ramp = push > 0.0f ? lode_clamp(push + against, 0.0f, push)
@@ -444,7 +445,7 @@ LODE_NOINLINE float lode_speed_torque_target(lode_speed_t *self, const lode_spee
                                              float torque_Nm, lode_range_t between_rad_s,
                                              float omega_rad_s, float load_Nm) {
     const float speed = omega_rad_s * tuning->inv_pole_pairs;
-    const float gain = self->calm * lode_speed_gain(tuning, omega_rad_s);
+    const float gain = lode_speed_calm(self) * lode_speed_gain(tuning, omega_rad_s);
     const load_t load = {load_Nm, lode_speed_fed(tuning, omega_rad_s) * load_Nm};
     const float torque = lode_clamp(torque_Nm, self->limit_Nm.min, self->limit_Nm.max);
     const bool at_most = !(self->reference_rad_s < between_rad_s.max);

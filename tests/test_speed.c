@@ -176,9 +176,9 @@ static void test_half_waves_of_two_swings_do_not_add(void) {
         swing(&speed, &tuning, 1.0, 40, 14);
         swing(&speed, &tuning, 0.0, (int)ceil(1.5 * HALF_WAVE_CALLS) + 2, 1);
     }
-    TEST_ASSERT_EQUAL_FLOAT(1.0f, speed.calm);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, lode_speed_calm(&speed));
     swing(&speed, &tuning, 1.0, 40, 16);
-    TEST_ASSERT_EQUAL_FLOAT(LODE_SPEED_CALM, speed.calm);
+    TEST_ASSERT_EQUAL_FLOAT(LODE_SPEED_CALM, lode_speed_calm(&speed));
 }
 
 /// (K48): the ramp's torque is halved with the gains, that of a deep dip is not.
@@ -190,7 +190,7 @@ static void test_what_halved_gains_leave(void) {
     lode_speed_t speed[2];
     for (int n = 0; n < 2; n++) {
         lode_speed_reset(&speed[n], &tuning, 50.0f, 0.0f, 0.0f, 1.0e4f);
-        speed[n].calm = n == 0 ? 1.0f : LODE_SPEED_CALM;
+        speed[n].calmed = (uint_least8_t)n;
     }
     // 0.04 rad/s per call
     CHECK_NEAR(1.0e-4, 0.8 * 0.04 + 0.0174 * 200.0,
@@ -200,7 +200,7 @@ static void test_what_halved_gains_leave(void) {
     // at the border of a dip half of the torque, beyond it the same slope
     for (int n = 0; n < 2; n++) {
         lode_speed_reset(&speed[n], &tuning, 50.0f, 0.0f, 0.0f, 1.0e4f);
-        speed[n].calm = n == 0 ? 1.0f : LODE_SPEED_CALM;
+        speed[n].calmed = (uint_least8_t)n;
         CHECK_NEAR(2.0e-3, (n == 0 ? 1.0 : 0.5) * 0.8 * 15.0 + 0.8 * 3.0 * 10.0,
                    lode_speed_step(&speed[n], &tuning, 50.0f, 3.0f * 25.0f, 0.0f));
     }

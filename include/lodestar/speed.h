@@ -81,11 +81,11 @@ typedef struct {
     float step_rad_s; ///< last step of a ramp with jerk_step
     float left_rad_s; ///< part of the sum of the steps that was lost to rounding (K35)
 #endif
-    float torque_Nm; ///< torque reference
-    float calm;      ///< factor of both gains: 1, or LODE_SPEED_CALM since they swung (K48)
+    float torque_Nm;          ///< torque reference
     uint_least16_t swing_age; ///< calls since the last half-wave, at most swing_calls
     uint_least8_t swings;     ///< half-waves of the present swing
     uint_least8_t swung_up;   ///< not 0: the last one was positive
+    uint_least8_t calmed;     ///< not 0: the gains have swung and are halved
     lode_range_t limit_Nm;    ///< limits of the torque reference; kept up to date by the drive
 } lode_speed_t;
 
@@ -95,6 +95,12 @@ typedef struct {
     float
         damping_rad_s; ///< rate at which the EMF brakes a rotor four times lighter than configured
 } lode_speed_loop_t;
+
+/// Factor of both gains: 1, or LODE_SPEED_CALM once they have swung (K48). Not kept as a float, of which a flipped bit
+/// could be a gain of any size and sign.
+static inline float lode_speed_calm(const lode_speed_t *self) {
+    return self->calmed != 0u ? LODE_SPEED_CALM : 1.0f;
+}
 
 /// Fills every zero field that has a default. `injects`: the drive uses injection and holds the rotor at standstill
 /// too.
