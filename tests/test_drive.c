@@ -433,6 +433,16 @@ static void test_a_new_tuning_is_taken_at_a_period(void) {
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_NULL, lode_drive_post_tuning(NULL, &tuning));
 }
 
+static void check_goes_on(rig_t *rig) {
+    double worst = 0.0;
+    for (int n = 0; n < 1000; n++) {
+        rig_step(rig);
+        worst = fmax(worst, fabs(rig->angle_error));
+    }
+    check_running(rig, 157.0);
+    CHECK_AT_MOST(1.5 * CHECK_DEG, worst);
+}
+
 /// With 3 Nm at 1500 rpm, from any observer to any other.
 static void test_another_observer_goes_on_with_the_rotor(void) {
     for (int from = 0; from < (int)LODE_EMF_KINDS; from++) {
@@ -456,13 +466,7 @@ static void test_another_observer_goes_on_with_the_rotor(void) {
             const double droop = 1.0 + w * w * (double)other_tuning.estimator.droop_s2;
             CHECK_CLOSE(0.02, w * flux / droop, e_V);
             CHECK_CLOSE(0.02, 1.0, -(double)estimator->per_V * e_V);
-            double worst = 0.0;
-            for (int n = 0; n < 1000; n++) {
-                rig_step(&rig);
-                worst = fmax(worst, fabs(rig.angle_error));
-            }
-            check_running(&rig, 157.0);
-            CHECK_AT_MOST(1.5 * CHECK_DEG, worst);
+            check_goes_on(&rig);
         }
     }
 }
@@ -470,13 +474,7 @@ static void test_another_observer_goes_on_with_the_rotor(void) {
 static void goes_on_with(rig_t rig, const lode_drive_config_t *config) {
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, config));
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
-    double worst = 0.0;
-    for (int n = 0; n < 1000; n++) {
-        rig_step(&rig);
-        worst = fmax(worst, fabs(rig.angle_error));
-    }
-    check_running(&rig, 157.0);
-    CHECK_AT_MOST(1.5 * CHECK_DEG, worst);
+    check_goes_on(&rig);
 }
 
 /// The same observer with another lag, or tuned by a filtered speed, which nothing has kept up to date.
