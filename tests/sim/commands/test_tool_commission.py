@@ -4,7 +4,7 @@ import re
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
-from tool import SOURCE, Checks, Folder, refused
+from tool import SOURCE, WASHER, Checks, Folder, refused
 
 # Of the value, exact sensors, free shaft.
 BARS = {"Rs_Ohm": 0.02, "dead_V": 0.05, "Ld_H": 0.05, "Lq_H": 0.05, "psi_Wb": 0.01, "J_kgm2": 0.10}
@@ -264,24 +264,6 @@ def round_trip(checks, folder):
     checks.equal(folder.run("design", "--motor", "assumed.ini").returncode, 0, "which is a drive")
     refused(checks, folder, ["design", "--motor", "assumed.ini", "--c", "x.c"],
             r"^assumed.ini: \[drive\] i_range_A: missing")
-
-
-# Direct drive of a washing machine: 773 of its rated 1200 rpm without load, 378 with the current of rated torque.
-WASHER = """[motor]
-poles = 48
-R_winding_Ohm = 6.5
-winding = star
-L_winding_mH = 38
-ke_V_Hz = 0.55
-J_kgm2 = 0.35
-speed_rated_rpm = 1200
-[drive]
-f_pwm_Hz = 16e3
-v_bus_V = 310
-i_max_A = 6
-dead_time_s = 1.5e-6
-v_drop_V = 1.5
-"""
 
 
 def voltage_limit(checks, folder):

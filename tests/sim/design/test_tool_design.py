@@ -6,7 +6,7 @@ import re
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
-from tool import DRIVE, MOTOR, SOURCE, Checks, Folder, refused
+from tool import DRIVE, MOTOR, SOURCE, WASHER, Checks, Folder, refused
 
 # A motor of 7 pole pairs at 36 V: its estimator could follow 13642 rpm, its voltage allows 8979.
 SMALL = """[motor]
@@ -361,27 +361,10 @@ def trial_load(checks, folder):
             r"^--set: \[phase.load\] load_Nm: expected no phase, there is no scenario here$")
 
 
-# A heavy rotor: speed control is slower than a 10000th of the PWM frequency, and the voltage ends far below rated speed.
-HEAVY = """[motor]
-poles = 48
-R_winding_Ohm = 6.5
-winding = star
-L_winding_mH = 38
-ke_V_Hz = 0.55
-J_kgm2 = 0.35
-speed_rated_rpm = 1200
-[drive]
-f_pwm_Hz = 16e3
-v_bus_V = 310
-i_max_A = 6
-dead_time_s = 1.5e-6
-v_drop_V = 1.5
-"""
-
-
+# WASHER: speed control is slower than a 10000th of the PWM frequency, and the voltage ends far below rated speed.
 def heavy(checks, folder):
     """Its loops have margins, and the base speed says with which d current it is reached."""
-    found = designed(checks, folder, HEAVY)
+    found = designed(checks, folder, WASHER)
     for loop in found["verdict"]["loops"]:
         if loop["loop"] == "speed":
             checks.at_most(abs(loop["crossover_rad_s"] / found["speed_bandwidth_rad_s"] - 1), 0.1, f"crossover: {loop}")
@@ -397,7 +380,7 @@ def heavy(checks, folder):
 
 def heavy_trial(checks, folder):
     """Phases that fit a slow loop: a start no longer than it takes, loads until the speed is back, a stop that comes to rest."""
-    folder.write("m.ini", HEAVY)
+    folder.write("m.ini", WASHER)
     def trial(*arguments):
         done = folder.run("run", "--motor", "m.ini", *arguments, "--json", "t.json")
         checks.equal(done.returncode, 0, f"{arguments}: {done.stdout}{done.stderr}")
