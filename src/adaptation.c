@@ -2,6 +2,7 @@
 #include "estimator_inline.h"
 #include "inverter_inline.h"
 #include "lag_inline.h"
+#include "speed_inline.h"
 
 #include <stddef.h>
 
@@ -63,10 +64,6 @@
 #define J_DEAD 0.03f
 #define PSI_DEAD 0.005f
 #define RS_DEAD 0.02f
-
-// As in lode_speed_design(): bandwidth times the run-up time, and the largest share of the torque for the ramp.
-#define BANDWIDTH_RUN_UP_MAX 13.0f
-#define RAMP_TORQUE_SHARE 0.5f
 
 static float square(float x) {
     return x * x;
@@ -419,13 +416,13 @@ static void use_inertia(const lode_adaptation_machine_t *self, lode_drive_tuning
     const lode_motor_t *motor = &self->motor;
     const float kp = t->speed.pi.kp;
     const float most_Nm = lode_references_most_Nm(&t->references);
-    const float most = BANDWIDTH_RUN_UP_MAX * most_Nm * motor->pole_pairs /
+    const float most = LODE_SPEED_RUN_UP_MAX * most_Nm * motor->pole_pairs /
                        (motor->omega_rated_rad_s * (1.0f + t->speed.rise));
     t->speed.pi.kp = lode_min(kp * J, lode_max(kp, most));
     t->speed.pi.ki_Ts = t->speed.pi.ki_Ts * square(t->speed.pi.kp / kp) / J;
     t->speed.inertia_Nm *= J;
     const float period_s = t->estimator.pll.ts_s * (float)t->speed_periods;
-    const float half = RAMP_TORQUE_SHARE * most_Nm * period_s / motor->J_kgm2;
+    const float half = LODE_SPEED_RAMP_SHARE * most_Nm * period_s / motor->J_kgm2;
     t->speed.ramp_step = ramp_of_inertia(t->speed.ramp_step, half, J);
 #ifndef LODE_WITHOUT_SHAPED_RAMP
     t->speed.ramp_down_step = ramp_of_inertia(t->speed.ramp_down_step, half, J);

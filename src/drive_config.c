@@ -213,11 +213,15 @@ static void design_fast_fa(lode_drive_config_t *config) {
     }
 }
 
-// Bandwidth by the rated speed, and a higher one where the inertia requires it (P20). Returns by how many times the EMF
-// observer has to be faster with it (P28), (P34).
-static float design_pll(lode_drive_config_t *config, float ts_s) {
+// Neither bandwidth is given.
+static bool is_pll_open(const lode_pll_config_t *pll) {
+    return is_open(pll->sigma_rad_s) && is_open(pll->sigma_low_rad_s);
+}
+
+// Bandwidth by the rated speed, and a higher one where the inertia requires it (P20).
+static void design_pll(lode_drive_config_t *config, float ts_s) {
     lode_pll_config_t *pll = &config->estimator.pll;
-    const bool open = is_open(pll->sigma_rad_s) && is_open(pll->sigma_low_rad_s);
+    const bool open = is_pll_open(pll);
     const bool all_open = open && is_open(pll->omega_low_rad_s) && is_open(pll->omega_high_rad_s);
     lode_pll_design(pll, config->motor.omega_rated_rad_s, ts_s);
     // Not with field weakening: there the d current moves with the torque, and a fast PLL follows the angle error that an
@@ -230,7 +234,6 @@ static float design_pll(lode_drive_config_t *config, float ts_s) {
         pll->sigma_low_rad_s = lode_max(pll->sigma_low_rad_s, sigma_of_light_rotor(config));
         pll->sigma_rad_s = lode_max(lode_min(pll->sigma_rad_s, most), pll->sigma_low_rad_s);
     }
-    return open ? more_times(config) : 1.0f;
 }
 
 // (K31). Unequal gains of the current sensors make EMF and torque swing twice per turn, by a share of the current. The bias
@@ -347,11 +350,13 @@ void lode_drive_design(lode_drive_config_t *config) {
     if (bias_open && bias_swings(config)) {
         config->references.id_bias_A = LODE_NONE;
     }
-    lode_motor_t late = *motor; // to the EMF observer: rated speed goes with sigma (P28), (P34)
-    late.omega_rated_rad_s *= design_pll(config, ts_s);
+    // to the EMF observer, where sigma is higher than the rated speed's (P28), (P34)
+    lode_motor_t faster = *motor;
+    faster.omega_rated_rad_s *= is_pll_open(&config->estimator.pll) ? more_times(config) : 1.0f;
+    design_pll(config, ts_s);
     design_gi(config);
     const bool k2_open = is_open(config->estimator.emf.k2_rad_s);
-    lode_emf_design(&config->estimator.emf, &late, config->estimator.pll.sigma_rad_s, ts_s);
+    lode_emf_design(&config->estimator.emf, &faster, config->estimator.pll.sigma_rad_s, ts_s);
     lode_estimator_design(&config->estimator, motor, ts_s);
     const lode_motor_t circuit = circuit_of(config);
     config->current.voltage_use =

@@ -29,8 +29,7 @@
 // Flux: the EMF is that of another flux where its direction is right, its size at least half (a stopped rotor has less), and
 // its error more than a tuning and a hot magnet explain (guard.flux_share).
 #define LEAST_FLUX 0.5f
-// Uncertainty of the inductances, as for (S34) and (K16), and of the resistance; the drops have that of the resistance.
-#define L_UNSURE 0.2f
+// Uncertainty of the resistance; the drops have it too.
 #define R_UNSURE 0.5f
 #define FLUX_CURRENT 9.0f   // squared: 3 times the least current to be judged, 0.15 of i_max
 #define FLUX_s 0.05f        // longer than a fast speed change makes the estimated speed lag the EMF
@@ -543,7 +542,7 @@ static float unsure_Wb(const lode_drive_t *self, lode_flux_t flux) {
     const lode_emf_tuning_t *emf = &self->tuning->estimator.emf;
     const lode_dq_t i_A = self->i_A;
     const float omega = lode_max(lode_abs(self->estimator.pll.omega_rad_s), FLT_MIN);
-    const float L_share = L_UNSURE + motor->Lq_fall * lode_abs(i_A.q);
+    const float L_share = LODE_L_UNSURE + motor->Lq_fall * lode_abs(i_A.q);
     const float turned_A = motor->Lq_H * i_A.q * i_A.q / lode_max(flux.expected_Wb, FLT_MIN);
     const float d_Wb = L_share * motor->Ld_H * i_A.d;
     const float q_Wb = L_share * lode_references_salient_H(motor) * turned_A;

@@ -64,9 +64,8 @@
 // eight below half.
 #define WEAK_MAX 8u
 #define WEAK_EACH 4u
-// (S54): rated-load current as a share of i_max; share of that load which a start must move; by how much (Lq - Ld)/psi may be
+// (S54): share of a rated load which a start must move; by how much (Lq - Ld)/psi may be
 // larger than configured, with errors of 20 % in Lq and Ld and 10 % in psi.
-#define RATED_LOAD (2.0f / 3.0f)
 #define START_LOAD 0.8f
 #define UNSURE 1.5f
 // Mean error at which the lock quality is 0 (H13).
@@ -168,7 +167,7 @@ static float learning_speed(const lode_hfi_config_t *config, const lode_hfi_syst
 // (S54). The current vector that lets the active flux vanish makes less torque than the load that a start has to move.
 static bool is_start_weak(const lode_hfi_system_t *system) {
     const lode_motor_t *motor = system->motor;
-    const float load_A = START_LOAD * RATED_LOAD * system->inverter->i_max_A;
+    const float load_A = START_LOAD * LODE_RATED_SHARE * system->inverter->i_max_A;
     return UNSURE * (motor->Lq_H - motor->Ld_H) * load_A > motor->psi_Wb;
 }
 

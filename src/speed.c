@@ -13,19 +13,13 @@ typedef struct {
 #define INTEGRAL_SHARE 0.25f // ki = kp bandwidth/4: the zero two octaves below the crossover
 #define BANDWIDTH_PER_SIGMA_MAX 1.0f
 #define RISE_MAX 10.0f
-// Limit of the bandwidth times the run-up time (lode_motor_run_up_s): a faster loop answers noise with all of its torque.
-#define BANDWIDTH_RUN_UP_MAX 13.0f
-#define RAMP_TORQUE_SHARE 0.5f
 // The ramp gets less torque where the loop is slow for the rotor: if half of the ramp's torque is wrong because the inertia is,
 // the speed is off by a twentieth of rated at most where the ramp ends.
 #define RAMP_BANDWIDTH_SHARE 0.114f
 #define INERTIA_FEED_FORWARD 1.0f
-// Rated load over the largest torque; the rest is for control. Applied as a step, it costs 2/e of the speed that it would take
-// from a free rotor in 1/bandwidth (K15).
-#define RATED_LOAD (2.0f / 3.0f)
+// A rated load, applied as a step, costs 2/e of the speed that it would take from a free rotor in 1/bandwidth (K15).
 #define DIP 0.735759f
-// (K16): uncertainty of Lq, and the fit to where the loop that it closes swings.
-#define L_UNSURE 0.2f
+// (K16): the fit to where the loop swings that an error of Lq closes.
 #define TURNED_PER_SIGMA 1.37f
 static const light_t four_times = {0.75f, 4.9f};
 #define LIGHT_GAIN_MARGIN 1.41f // 3 dB
@@ -71,7 +65,7 @@ static const light_t four_times = {0.75f, 4.9f};
 // (K15): bandwidth with which a rated load takes all of the lowest speed.
 static float stopped_rad_s(const lode_speed_config_t *config,
                            const lode_inverter_config_t *inverter, const lode_motor_t *motor) {
-    const float load_Nm = RATED_LOAD * inverter->i_max_A * lode_motor_kt_Nm_A(motor);
+    const float load_Nm = LODE_RATED_SHARE * inverter->i_max_A * lode_motor_kt_Nm_A(motor);
     const float load_rad_s2 = motor->pole_pairs * load_Nm / lode_max(motor->J_kgm2, FLT_MIN);
     return DIP * load_rad_s2 / lode_max(config->omega_min_rad_s, FLT_MIN);
 }
@@ -84,7 +78,7 @@ static float light_s(const light_t *light, const lode_speed_loop_t *loop, float 
 
 // (K16): one over the bandwidth with which the loop through an error of Lq, the angle and this PLL has no margin.
 static float turned_s(const lode_motor_t *motor, float sigma_rad_s) {
-    const float turned_rad_A = L_UNSURE * motor->Lq_H / lode_max(motor->psi_Wb, FLT_MIN);
+    const float turned_rad_A = LODE_L_UNSURE * motor->Lq_H / lode_max(motor->psi_Wb, FLT_MIN);
     const float turned_rad_Nm = turned_rad_A / lode_max(lode_motor_kt_Nm_A(motor), FLT_MIN);
     return TURNED_PER_SIGMA * sigma_rad_s * turned_rad_Nm * motor->J_kgm2 /
            lode_max(motor->pole_pairs, FLT_MIN);
@@ -166,7 +160,7 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     const bool sudden = stopped > STOPPED_MAX_rad_s;
     const bool knows = pll->kind == LODE_PLL_LESO; // torque and load; a QPLL does not
     const float firm = firm_rad_s(motor, loop, pll, stopped, knows && !sudden);
-    const float quiet = BANDWIDTH_RUN_UP_MAX / run_up_s;
+    const float quiet = LODE_SPEED_RUN_UP_MAX / run_up_s;
     const float bandwidth = given ? config->kp_Nms / J : lode_min(firm, quiet);
     config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, bandwidth);
     const float share = knows && (injects || sudden)
@@ -185,11 +179,11 @@ void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t
     const float room = BANDWIDTH_PER_SIGMA_MAX * sigma_low * J / lode_max(config->kp_Nms, FLT_MIN);
     const float dip_gain = injects ? LODE_NONE : lode_min(DIP_GAIN, room - 1.0f);
     config->dip_gain = lode_given_or(config->dip_gain, dip_gain > 0.0f ? dip_gain : LODE_NONE);
-    const float rated_Nm = RATED_LOAD * inverter->i_max_A * lode_motor_kt_Nm_A(motor);
+    const float rated_Nm = LODE_RATED_SHARE * inverter->i_max_A * lode_motor_kt_Nm_A(motor);
     config->swing_Nm =
         lode_given_or(config->swing_Nm, injects ? LODE_NONE : SWING_SHARE * rated_Nm);
     const float ramp_share =
-        lode_min(RAMP_TORQUE_SHARE, RAMP_BANDWIDTH_SHARE * config->bandwidth_rad_s * run_up_s);
+        lode_min(LODE_SPEED_RAMP_SHARE, RAMP_BANDWIDTH_SHARE * config->bandwidth_rad_s * run_up_s);
     config->ramp_rad_s2 = lode_given_or(config->ramp_rad_s2, ramp_share * inverter->i_max_A *
                                                                  lode_motor_kt_Nm_A(motor) / J);
     config->inertia_feed_forward =

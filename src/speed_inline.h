@@ -6,6 +6,11 @@
 #include "pi_inline.h"
 #include "ramp_inline.h"
 
+// Limit of the bandwidth times the run-up time (lode_motor_run_up_s): a faster loop answers noise with all of its torque.
+#define LODE_SPEED_RUN_UP_MAX 13.0f
+// Largest share of the torque of i_max for the ramp.
+#define LODE_SPEED_RAMP_SHARE 0.5f
+
 // Torque control (K13): the target with which lode_speed_step() makes `torque_Nm`, within its limits, or holds the end of
 // `between_rad_s` (mechanical) that the speed (ELECTRICAL `omega_rad_s`) would leave with this torque.
 float lode_speed_torque_target(lode_speed_t *self, const lode_speed_tuning_t *tuning,

@@ -24,6 +24,11 @@ typedef struct {
     float sets;              ///< three-phase windings on the stator: 1 or 2; 0: 1
 } lode_motor_t;
 
+/// Torque of a rated load, as a share of that at i_max with id = 0: what defaults are made for.
+#define LODE_RATED_SHARE (2.0f / 3.0f)
+/// Relative uncertainty of Lq and Ld that defaults and checks allow for.
+#define LODE_L_UNSURE 0.2f
+
 /// Returns LODE_OK or the first parameter out of range.
 lode_status_t lode_motor_check(const lode_motor_t *motor);
 
