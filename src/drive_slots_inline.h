@@ -87,7 +87,7 @@ LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_
     if (lode_mode(self) != LODE_MODE_RUN) {
         return true;
     }
-    if (!lode_mode_reference_ok(self)) {
+    if (!lode_mode_speed_ok(self)) {
         return false;
     }
     if (!lode_estimator_has_rotor(&self->estimator)) {

@@ -44,6 +44,9 @@ LODE_INLINE void lode_drive_limit_flux(lode_drive_t *self) {
 LODE_SHARED void lode_drive_speed(lode_drive_t *self, float omega_rad_s) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_running_t *run = &self->state.run;
+    if (!lode_speed_is_whole(&run->speed)) {
+        return; // MEMORY, in SLOT_DEAD_TIME
+    }
     const float load_Nm = lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator);
     const float least = tuning->omega_min * tuning->speed.inv_pole_pairs;
     float target = lode_max(self->command.speed_rad_s * self->direction, least) * self->direction;

@@ -4,6 +4,7 @@
 #include "inverter_inline.h"
 #include "references_inline.h"
 #include "sense_inline.h"
+#include "speed_inline.h"
 #include "start_inline.h"
 
 #include <stddef.h>
@@ -135,19 +136,16 @@ static bool limits_are_sound(const lode_drive_t *self) {
 #endif
 }
 
-// Torque control renews the reference in each call.
-LODE_NOINLINE bool lode_mode_reference_ok(lode_drive_t *self) {
+LODE_NOINLINE bool lode_mode_speed_ok(lode_drive_t *self) {
     if (!limits_are_sound(self)) {
         lode_mode_fault(self, LODE_CHECK_MEMORY, 6.0f, 0.0f);
         return false;
     }
-    const lode_drive_tuning_t *tuning = self->tuning;
-    const float most = tuning->estimator.omega_limit * tuning->speed.inv_pole_pairs;
-    if (lode_abs(self->state.run.speed.reference_rad_s) <= most || lode_mode_is_torque(self)) {
-        return true;
+    if (!lode_speed_is_whole(&self->state.run.speed)) {
+        lode_mode_fault(self, LODE_CHECK_MEMORY, 5.0f, 0.0f);
+        return false;
     }
-    lode_mode_fault(self, LODE_CHECK_MEMORY, 5.0f, 0.0f);
-    return false;
+    return true;
 }
 
 LODE_NOINLINE void lode_mode_lose_rotor(lode_drive_t *self) {
@@ -277,7 +275,7 @@ static void retune_run(lode_drive_t *self, const lode_drive_tuning_t *before) {
     const lode_drive_tuning_t *now = self->tuning;
     lode_running_t *run = &self->state.run;
     const float most = now->estimator.omega_limit * now->speed.inv_pole_pairs;
-    run->speed.reference_rad_s = lode_clamp(run->speed.reference_rad_s, -most, most);
+    lode_speed_bound(&run->speed, most);
     if (before->references.options == 0u) { // they were not kept up to date
         lode_references_reset(&run->references, self->ref_A.d);
     }

@@ -116,9 +116,8 @@ static inline bool lode_mode_fits(const lode_drive_t *self) {
 // Goes to FAULT if the estimate has moved further than its PLL can move it (P30). False: a fault.
 bool lode_mode_motion_ok(lode_drive_t *self);
 
-// In RUN. Goes to FAULT if the ramped speed reference is beyond the estimator's limit: none above it can be commanded, nor is
-// the ramp begun at one. False: a fault.
-bool lode_mode_reference_ok(lode_drive_t *self);
+// In RUN. Goes to FAULT if speed control or the limits of its torque have changed by themselves. False: a fault.
+bool lode_mode_speed_ok(lode_drive_t *self);
 
 // RUN, after the estimator has restarted and has no angle: counts the lock as missing for two thirds of the guard's time, as
 // a lock at a wrong angle may come before all of that time is over.

@@ -270,6 +270,10 @@ lode_status_t lode_speed_tune(lode_speed_tuning_t *tuning, const lode_speed_conf
     return LODE_OK;
 }
 
+LODE_INLINE void keep_copy(lode_speed_t *self) {
+    self->copy = (lode_speed_copy_t){self->pi.integral, self->reference_rad_s};
+}
+
 // Sets the reference, at rest.
 static void set_reference(lode_speed_t *self, float reference_rad_s) {
     self->reference_rad_s = reference_rad_s;
@@ -284,12 +288,20 @@ void lode_speed_reset(lode_speed_t *self, const lode_speed_tuning_t *tuning, flo
     const float fed = lode_speed_fed(tuning, omega_rad_s / tuning->inv_pole_pairs);
     lode_pi_reset(&self->pi, torque_Nm - fed * load_Nm);
     set_reference(self, omega_rad_s);
+    keep_copy(self);
     self->torque_Nm = torque_Nm;
     self->calmed = 0u;
     self->swing_age = 0;
     self->swings = 0;
     self->swung_up = 0u;
     self->limit_Nm = (lode_range_t){-most_Nm, most_Nm};
+}
+
+void lode_speed_bound(lode_speed_t *self, float most_rad_s) {
+    if (lode_speed_is_whole(self)) {
+        self->reference_rad_s = lode_clamp(self->reference_rad_s, -most_rad_s, most_rad_s);
+        keep_copy(self);
+    }
 }
 
 #ifndef LODE_WITHOUT_SHAPED_RAMP
@@ -404,13 +416,14 @@ LODE_RAMFUNC LODE_NOINLINE float lode_speed_step(lode_speed_t *self,
         unlimited += dip_Nm(self, tuning, gain, error);
     }
     const lode_range_t limit = self->limit_Nm;
+    float torque = unlimited;
     if (lode_in_range(unlimited, limit.min, limit.max)) {
         lode_pi_integrate(&self->pi, &tuning->pi, error);
-        self->torque_Nm = unlimited;
-        return unlimited;
+    } else {
+        torque = lode_clamp(unlimited, limit.min, limit.max);
+        lode_pi_settle(&self->pi, &tuning->pi, error, ff, unlimited, torque);
     }
-    const float torque = lode_clamp(unlimited, limit.min, limit.max);
-    lode_pi_settle(&self->pi, &tuning->pi, error, ff, unlimited, torque);
+    keep_copy(self);
     self->torque_Nm = torque;
     return torque;
 }
@@ -463,6 +476,7 @@ LODE_NOINLINE float lode_speed_torque_target(lode_speed_t *self, const lode_spee
         lode_pi_reset(&self->pi, held_Nm - load.fed_Nm);
     }
     set_reference(self, target);
+    keep_copy(self);
     return target;
 }
 

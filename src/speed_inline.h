@@ -17,6 +17,16 @@ float lode_speed_torque_target(lode_speed_t *self, const lode_speed_tuning_t *tu
                                float torque_Nm, lode_range_t between_rad_s, float omega_rad_s,
                                float load_Nm);
 
+// Limits the ramped reference to +-`most_rad_s`, mechanical.
+void lode_speed_bound(lode_speed_t *self, float most_rad_s);
+
+// False: integral or reference has changed by itself.
+LODE_INLINE bool lode_speed_is_whole(const lode_speed_t *self) {
+    const float integral = self->pi.integral - self->copy.integral_Nm;
+    const float reference = self->reference_rad_s - self->copy.reference_rad_s;
+    return lode_abs(integral) + lode_abs(reference) <= 0.0f;
+}
+
 #ifndef LODE_WITHOUT_SHAPED_RAMP
 
 // One step of the reference towards the mechanical target, with two slopes and a jerk (K33)-(K35), rad/s.

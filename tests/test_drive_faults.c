@@ -600,8 +600,8 @@ static void test_a_mode_or_command_that_changes_by_itself_trips(void) {
     }
 }
 
-/// Speed control that runs more often than its slot has no steady way, which would leave it out for good.
-static void test_speed_control_that_is_left_out_trips(void) {
+/// A drive in RUN whose speed control runs more often than its slot.
+static rig_t running_with_fast_speed(void) {
     lode_drive_config_t config = rig_config();
     config.motor.omega_rated_rad_s = 400.0f;
     config.speed.bandwidth_rad_s = 70.0f;
@@ -614,6 +614,12 @@ static void test_speed_control_that_is_left_out_trips(void) {
     TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
     rig_run(&rig, 0.1);
     TEST_ASSERT_FALSE(rig.drive.steady);
+    return rig;
+}
+
+/// It has no steady way, which would leave speed control out for good.
+static void test_speed_control_that_is_left_out_trips(void) {
+    const rig_t rig = running_with_fast_speed();
     check_flip(&rig, offsetof(lode_drive_t, steady), 0, 1.0f);
 }
 
@@ -726,23 +732,36 @@ static void test_a_motion_that_is_set_is_no_change_by_itself(void) {
     TEST_ASSERT_TRUE(rig.drive.estimator.omega_noted == 0.0f);
 }
 
-/// No speed reference leads beyond all speeds that the estimator knows. Torque control has none of its own.
-static void test_a_speed_reference_that_changes_by_itself_trips(void) {
-    rig_t sound = before_slot(SLOT_DEAD_TIME, 0.5);
-    const float most = 2.0f * tuning.guard.omega_max / 1.3f * tuning.speed.inv_pole_pairs;
-    for (int sign = -1; sign <= 1; sign += 2) {
-        rig_t rig = sound;
-        float *const reference = &rig.drive.state.run.speed.reference_rad_s;
-        *reference = (float)sign * 0.99f * most;
-        check_memory(rig, 0.0f);
-        *reference = (float)sign * 1.01f * most;
-        check_memory(rig, 5.0f);
-        rig.drive.command.flags |= (uint_least8_t)LODE_ORDER_TORQUE;
-        rig.drive.command.check = lode_mode_order_check(&rig.drive.command);
-        check_memory(rig, 0.0f);
+/// Integral and reference of speed control are kept twice. Whichever slot comes next, a flipped bit ends RUN before it moves the
+/// torque.
+static void check_speed_flips(rig_t sound) {
+    const size_t speed = offsetof(lode_drive_t, state) + offsetof(lode_running_t, speed);
+    const size_t copy = speed + offsetof(lode_speed_t, copy);
+    const size_t fields[] = {speed + offsetof(lode_speed_t, pi),
+                             speed + offsetof(lode_speed_t, reference_rad_s),
+                             copy + offsetof(lode_speed_copy_t, integral_Nm),
+                             copy + offsetof(lode_speed_copy_t, reference_rad_s)};
+    for (uint32_t slot = 0u; slot < LODE_SLOW_PERIODS; slot++) {
+        for (int n = 0; n < COUNT_OF(fields); n++) {
+            for (int bit = 0; bit < 32; bit++) {
+                check_flip(&sound, fields[n] + (size_t)bit / 8u, bit % 8, 5.0f);
+            }
+        }
+        rig_step(&sound);
+        TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, sound.drive.mode);
     }
-    sound.drive.state.run.speed.reference_rad_s = NAN;
-    check_memory(sound, 5.0f);
+}
+
+static void test_a_speed_control_that_changes_by_itself_trips(void) {
+    rig_t rig = before_slot(SLOT_DEAD_TIME, 0.5);
+    TEST_ASSERT_TRUE(rig.drive.state.run.speed.pi.integral != 0.0f);
+    check_speed_flips(rig);
+    rig.drive.command.flags |= (uint_least8_t)LODE_ORDER_TORQUE;
+    rig.drive.command.value.torque_Nm = 0.3f;
+    rig.drive.command.check = lode_mode_order_check(&rig.drive.command);
+    rig_run(&rig, 0.01);
+    check_speed_flips(rig);
+    check_speed_flips(running_with_fast_speed());
 }
 
 /// The other direction than that in which the rotor turns: it slows down as for a reversal, and starts anew.
@@ -948,7 +967,7 @@ int main(void) {
     RUN_TEST(test_speed_control_that_is_left_out_trips);
     RUN_TEST(test_a_motion_that_changes_by_itself_trips);
     RUN_TEST(test_a_motion_that_is_set_is_no_change_by_itself);
-    RUN_TEST(test_a_speed_reference_that_changes_by_itself_trips);
+    RUN_TEST(test_a_speed_control_that_changes_by_itself_trips);
     RUN_TEST(test_a_direction_that_turns_over_starts_anew);
     RUN_TEST(test_a_q_axis_that_changes_by_itself_does_not_last);
     RUN_TEST(test_a_posted_command_is_not_lost_by_a_flip);

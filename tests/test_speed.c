@@ -450,6 +450,21 @@ static void test_range_of_the_gain_in_a_dip(void) {
     }
 }
 
+/// The bound is no way around the check: what has changed by itself still shows.
+static void test_a_bound_leaves_what_has_changed(void) {
+    const lode_speed_config_t config = sound();
+    const lode_speed_tuning_t t = tuned(&config);
+    lode_speed_t whole;
+    lode_speed_reset(&whole, &t, 50.0f, 0.2f, 0.0f, 1.0f);
+    lode_speed_t other = whole;
+    lode_speed_bound(&whole, 20.0f);
+    TEST_ASSERT_EQUAL_FLOAT(20.0f, whole.reference_rad_s);
+    TEST_ASSERT_TRUE(lode_speed_is_whole(&whole));
+    other.reference_rad_s = -50.0f;
+    lode_speed_bound(&other, 20.0f);
+    TEST_ASSERT_FALSE(lode_speed_is_whole(&other));
+}
+
 static void test_range_of_the_swing(void) {
     const size_t swing_Nm = offsetof(lode_speed_config_t, swing_Nm);
     const float sizes[] = {LODE_NONE, 1.0e-6f, 0.5f, 1.0e6f};
@@ -1249,6 +1264,7 @@ int main(void) {
     RUN_TEST(test_a_swing_halves_the_gains);
     RUN_TEST(test_half_waves_of_two_swings_do_not_add);
     RUN_TEST(test_what_halved_gains_leave);
+    RUN_TEST(test_a_bound_leaves_what_has_changed);
     RUN_TEST(test_range_of_the_swing);
     RUN_TEST(test_design_of_the_gain_in_a_dip);
     RUN_TEST(test_shares_of_the_feed_forwards);

@@ -33,8 +33,8 @@ typedef enum {
     LODE_CHECK_CURRENT_STUCK,
     LODE_CHECK_CURRENT_SUM,       ///< sum of the three phase currents, A
     LODE_CHECK_UNDER_TEMPERATURE, ///< power stage, degC: the sensor is open or shorted
-    /// what was corrupted: 1 the mode, 2 the command, 3 the tuning, 4 speed or load of the estimate, 5 the ramped
-    /// speed reference, 6 the limit of the torque
+    /// what was corrupted: 1 the mode, 2 the command, 3 the tuning, 4 speed or load of the estimate, 5 speed
+    /// control's integral or ramped reference, 6 the limit of the torque
     LODE_CHECK_MEMORY,
     /// power stage, degC: its ADC count has not changed for the time `limit`, s
     LODE_CHECK_TEMPERATURE_STUCK,

@@ -73,10 +73,17 @@ typedef struct {
     float inertia_Nm;        ///< torque per mechanical rad/s of a step of the reference
 } lode_speed_tuning_t;
 
+/// What speed control keeps twice, so that a flipped bit is found.
+typedef struct {
+    float integral_Nm;
+    float reference_rad_s;
+} lode_speed_copy_t;
+
 /// State of speed control.
 typedef struct {
     lode_pi_t pi;
     float reference_rad_s; ///< ramped reference, mechanical
+    lode_speed_copy_t copy;
 #ifndef LODE_WITHOUT_SHAPED_RAMP
     float step_rad_s; ///< last step of a ramp with jerk_step
     float left_rad_s; ///< part of the sum of the steps that was lost to rounding (K35)
