@@ -262,14 +262,13 @@ bool lode_drive_telemetry(const lode_drive_t *self, lode_telemetry_t *telemetry)
 
 #ifndef LODE_WITHOUT_OPTIMAL_REFERENCES
 
-// Saturation is corrected for the EMF only. Injection uses the inductances themselves, and learn.h may have found the present
-// Lq.
-static bool goes_by_emf(const lode_estimator_tuning_t *tuning) {
+// The EMF has a part in the angle: injection alone uses the inductances themselves.
+static bool goes_by_emf(const lode_estimator_t *estimator) {
 #ifdef LODE_WITHOUT_HFI
-    (void)tuning;
+    (void)estimator;
     return true;
 #else
-    return !lode_hfi_is_on(&tuning->hfi);
+    return !estimator->by.hfi.active || estimator->by.hfi.weight < 1.0f;
 #endif
 }
 
@@ -307,7 +306,7 @@ LODE_NOINLINE void lode_drive_lessen_saturated(lode_drive_t *self, lode_ab_t i_A
     const lode_references_tuning_t *motor = &self->tuning->references;
     const lode_estimator_tuning_t *tuning = &self->tuning->estimator;
     lode_estimator_t *estimator = &self->estimator;
-    if (!estimator->aligned || !goes_by_emf(tuning)) {
+    if (!estimator->aligned || !goes_by_emf(estimator)) {
         return;
     }
     const float angle_rad = lode_pll_predict(&estimator->pll, &tuning->pll).angle_rad;
@@ -324,7 +323,7 @@ LODE_NOINLINE void lode_drive_adapt_saturated_lag(lode_drive_t *self) {
     lode_estimator_t *estimator = &self->estimator;
     const lode_dq_t i_A = lode_park(estimator->emf.i_A, lode_estimator_rotor(estimator));
     lode_estimator_adapt_lag(estimator, &tuning->estimator);
-    if (goes_by_emf(&tuning->estimator) && !estimator->aligned) {
+    if (goes_by_emf(estimator) && !estimator->aligned) {
         estimator->lag.at = lode_references_saturated(&tuning->references, estimator->lag.at, i_A);
     }
 }

@@ -7,10 +7,14 @@ void tearDown(void) {}
 
 static lode_drive_tuning_t other_tuning;
 
-/// Mean error of the angle under load, in degrees, of a motor whose Lq falls by 5 % per ampere.
-static double error_of_a_q_axis_that_saturates(float Lq_fall) {
+/// Mean error of the angle under load, in degrees, of a motor whose Lq falls by 5 % per ampere. `hfi`: it injects, but not at this
+/// speed.
+static double error_of_a_q_axis_that_saturates(float Lq_fall, lode_hfi_mode_t hfi) {
     lode_drive_config_t config = rig_config();
     config.references.Lq_fall = Lq_fall;
+    config.hfi.mode = hfi;
+    config.hfi.w2_rad_s = 100.0f;
+    config.hfi.Lq_i_max_H = 6.0e-3f; // salient enough to inject
     rig_t rig;
     rig_init(&rig, &tuning, &config);
     run_up(&rig, 100.0, 8.0);
@@ -28,8 +32,9 @@ static double error_of_a_q_axis_that_saturates(float Lq_fall) {
 }
 
 static void test_a_falling_Lq_that_is_known_leaves_no_error_of_the_angle(void) {
-    CHECK_AT_LEAST(3.0, fabs(error_of_a_q_axis_that_saturates(0.0f)));
-    CHECK_AT_MOST(0.3, fabs(error_of_a_q_axis_that_saturates(0.05f)));
+    CHECK_AT_LEAST(3.0, fabs(error_of_a_q_axis_that_saturates(0.0f, LODE_HFI_OFF)));
+    CHECK_AT_MOST(0.3, fabs(error_of_a_q_axis_that_saturates(0.05f, LODE_HFI_OFF)));
+    CHECK_AT_MOST(0.3, fabs(error_of_a_q_axis_that_saturates(0.05f, LODE_HFI_ON)));
 }
 
 static void check_q_axis(const rig_t *rig, double Lq_H, double kp_V_A) {
@@ -71,19 +76,25 @@ static void test_another_tuning_brings_its_own_q_axis(void) {
     check_q_axis(&rig, 8.0e-3, (double)other.current.q.kp);
 }
 
-/// With injection, which may have learned the present Lq, the angle is left alone.
-static void test_a_falling_Lq_turns_no_angle_with_injection(void) {
-    for (int injects = 0; injects <= 1; injects++) {
+/// Injection alone goes by the inductances themselves. As soon as the EMF has a part in the angle, its flux is corrected.
+static void test_a_falling_Lq_turns_the_angle_by_the_emf_only(void) {
+    const float weights[] = {1.0f, 0.99f, 0.0f};
+    for (int n = 0; n < 6; n++) {
+        const bool active = n < 3;
+        const float weight = weights[n % 3];
         lode_drive_config_t config = rig_config();
         config.references.Lq_fall = 0.03f;
-        config.hfi.mode = injects != 0 ? LODE_HFI_ON : LODE_HFI_OFF;
+        config.hfi.mode = LODE_HFI_ON;
         rig_t rig;
         rig_init(&rig, &tuning, &config);
         rig.drive.estimator.emf.i_A = (lode_ab_t){0.0f, 6.0f};
+        rig.drive.estimator.by.hfi.active = active;
+        rig.drive.estimator.by.hfi.weight = weight;
         lode_drive_adapt_saturated_lag(&rig.drive);
         const double turned = fabs((double)rig.drive.estimator.lag.at.sin);
-        CHECK_AT_LEAST(injects != 0 ? 0.0 : 0.05, turned);
-        CHECK_AT_MOST(injects != 0 ? 0.0 : 0.2, turned);
+        const bool alone = active && weight >= 1.0f;
+        CHECK_AT_LEAST(alone ? 0.0 : 0.05, turned);
+        CHECK_AT_MOST(alone ? 0.0 : 0.2, turned);
     }
 }
 
@@ -733,7 +744,7 @@ int main(void) {
     RUN_TEST(test_a_falling_Lq_that_is_known_leaves_no_error_of_the_angle);
     RUN_TEST(test_current_control_follows_a_falling_Lq);
     RUN_TEST(test_another_tuning_brings_its_own_q_axis);
-    RUN_TEST(test_a_falling_Lq_turns_no_angle_with_injection);
+    RUN_TEST(test_a_falling_Lq_turns_the_angle_by_the_emf_only);
     RUN_TEST(test_reversal);
     RUN_TEST(test_a_jerk_limits_the_reference_of_a_drive);
     RUN_TEST(test_off_at_speed_switches_off_at_once);
