@@ -6,6 +6,8 @@
 #define RIPPLE_SHARE 0.08f
 // Position error of one period by noise of the current, rms (H7). Behind a PLL of 100 rad/s at 5 kHz it is 0.6 degrees (H8).
 #define NOISE_rad 0.03f
+// As many times that where the circle does not allow more voltage.
+#define NOISE_TIMES 2.0f
 // (H7): sqrt(6)/2, the second difference of white noise over twice the voltage.
 #define NOISE_GAIN 1.2247f
 // Noise of a 12-bit ADC and its amplifier: 20 mA of +-25 A.
@@ -88,7 +90,8 @@ static float dead_time_V(const lode_hfi_system_t *system) {
     return inverter->v_bus_V * inverter->dead_time_s * carrier_Hz + inverter->v_drop_V;
 }
 
-// The largest of the voltages that noise (H7), dead time (H9) and dead band require; 0: no voltage shows a round rotor.
+// The largest of the voltages that noise (H7), dead time (H9) and dead band ask for, as far as the circle allows it; 0: no voltage
+// shows a round rotor.
 static float needed_V(const lode_hfi_config_t *config, const lode_hfi_system_t *system) {
     const float more = saliency(config, system) - 1.0f;
     if (!(more > 0.0f)) {
@@ -98,7 +101,10 @@ static float needed_V(const lode_hfi_config_t *config, const lode_hfi_system_t *
     const float noise_V = NOISE_GAIN / NOISE_rad * config->noise_A * per_A * (1.0f + 1.0f / more);
     const float dead_V = dead_time_V(system) / (DEAD_TIME_rad * more);
     const float ripple_V = RIPPLE_SHARE * system->inverter->i_max_A * per_A;
-    return lode_max(lode_max(noise_V, dead_V), config->silent == LODE_ON ? 0.0f : ripple_V);
+    const float asked_V =
+        lode_max(lode_max(noise_V, dead_V), config->silent == LODE_ON ? 0.0f : ripple_V);
+    const float most_V = CIRCLE_SHARE * system->circle_V;
+    return noise_V > NOISE_TIMES * most_V ? asked_V : lode_min(asked_V, most_V);
 }
 
 static uint_least16_t rounds_in(float time_s, float ts_s) {

@@ -84,6 +84,27 @@ static void test_each_rule_sizes_the_voltage(void) {
     CHECK_NEAR(1.0e-3, 5.0 / (0.3 * 0.5), designed(&machine).V_h_V);
 }
 
+/// Half of the circle at most, as long as noise gets half of what it asks for.
+static void test_the_circle_limits_the_voltage(void) {
+    machine_t machine;
+    set_up(&machine);
+    const double half_V = 0.5 * (double)machine.system.circle_V;
+    const double per_V = sqrt(6.0) / 2.0 / 0.03 * 3.5e-3 / 2.0e-4 * 2.8 / 1.8;
+    const double times[] = {0.99, 1.01, 1.99, 2.01};
+    for (int n = 0; n < COUNT_OF(times); n++) {
+        lode_hfi_config_t config = {.mode = LODE_HFI_AUTO};
+        config.noise_A = (float)(times[n] * half_V / per_V);
+        lode_hfi_design(&config, &machine.system);
+        CHECK_CLOSE(1.0e-4, times[n] < 2.0 ? fmin(times[n], 1.0) * half_V : times[n] * half_V,
+                    config.V_h_V);
+        TEST_ASSERT_EQUAL_INT(times[n] < 2.0 ? LODE_HFI_ON : LODE_HFI_OFF, config.mode);
+    }
+    machine.system.count_A = 0.0f; // the dead band asks for 16.8 V
+    machine.system.circle_V = 20.0f;
+    machine.inverter.dead_time_s = 0.0f;
+    CHECK_NEAR(1.0e-4, 10.0, designed(&machine).V_h_V);
+}
+
 static void test_speeds_and_bandwidth(void) {
     machine_t machine;
     set_up(&machine);
@@ -1836,6 +1857,7 @@ static void test_what_is_not_finite_is_left_behind(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_each_rule_sizes_the_voltage);
+    RUN_TEST(test_the_circle_limits_the_voltage);
     RUN_TEST(test_speeds_and_bandwidth);
     RUN_TEST(test_learning_raises_the_speeds);
     RUN_TEST(test_differential_inductance_of_a_saturating_q_axis);
