@@ -58,4 +58,8 @@ bool lode_drive_watch_load(lode_drive_t *self);
 bool lode_drive_judge_flux(lode_drive_t *self);
 bool lode_drive_watch_half_waves(lode_drive_t *self);
 
+// RUN, where the current is far off its reference or has been so. False: current control has lost it (K49), and the drive is in
+// FAULT.
+bool lode_drive_watch_control(lode_drive_t *self);
+
 #endif

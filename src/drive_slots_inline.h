@@ -76,6 +76,19 @@ LODE_INLINE bool lode_drive_slot_lag(lode_drive_t *self, const lode_drive_tuning
     return lode_drive_watch_flux(self);
 }
 
+// RUN: the current is near its reference, as nearly always, or current control has not lost it (K49).
+LODE_INLINE bool lode_drive_holds_current(lode_drive_t *self) {
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    (void)self;
+    return true;
+#else
+    const float d_A = self->ref_A.d - self->i_A.d;
+    const float q_A = self->ref_A.q - self->i_A.q;
+    const bool near = d_A * d_A + q_A * q_A <= self->tuning->plausibility.off_A2;
+    return LODE_USUALLY(near && self->state.run.off == 0u) || lode_drive_watch_control(self);
+#endif
+}
+
 LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                            lode_words_t words) {
     lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
@@ -93,7 +106,7 @@ LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_
     if (!lode_estimator_has_rotor(&self->estimator)) {
         lode_mode_lose_rotor(self);
     }
-    return lode_drive_watch_half_waves(self);
+    return lode_drive_holds_current(self) && lode_drive_watch_half_waves(self);
 }
 
 // False: a fault was found.

@@ -22,13 +22,19 @@
 #define GONE 0.15f        // of the reference
 // Half-waves: beyond this share of the voltage circle the voltage counts as used up (rounding).
 #define ALL_VOLTAGE 0.99f
+// Current control has lost the current (K49): for this long, or longer with up to OFF_UP times as many rounds between in which it
+// has not.
+#define OFF_s 0.05f
+#define OFF_UP 3u
 // Load: share of the torque limit, which the voltage moves a little in each round, that counts as all the torque.
 #define ALL_TORQUE 0.9f
 #define FOLLOWED 0.8f // of the torque current's reference
 #define FAR_OFF 0.05f // of the speed reference
-// Flux: the EMF is that of another flux where its direction is right, its size at least half (a stopped rotor has less), and
-// its error more than a tuning and a hot magnet explain (guard.flux_share).
+// Flux: the EMF is that of another flux where its direction is right, its size at least half (a stopped rotor has less) and at most
+// twice (with more, the estimated speed has collapsed), and its error more than a tuning and a hot magnet explain
+// (guard.flux_share).
 #define LEAST_FLUX 0.5f
+#define MOST_FLUX 2.0f
 // Uncertainty of the resistance; the drops have it too.
 #define R_UNSURE 0.5f
 #define FLUX_CURRENT 9.0f   // squared: 3 times the least current to be judged, 0.15 of i_max
@@ -419,6 +425,32 @@ LODE_NOINLINE bool lode_drive_watch_half_waves(lode_drive_t *self) {
     return good;
 }
 
+// Squared distance of the current from what its reference allows: its direction, up to i_max (K49).
+static float off_A2(const lode_drive_t *self) {
+    const lode_dq_t ref_A = self->ref_A;
+    const lode_dq_t i_A = self->i_A;
+    const float length_A = lode_max(lode_sqrt(squared(ref_A)), FLT_MIN);
+    const float along_A = (i_A.d * ref_A.d + i_A.q * ref_A.q) / length_A;
+    const float times = lode_clamp(along_A, 0.0f, self->tuning->references.i_max_A) / length_A;
+    return squared((lode_dq_t){i_A.d - times * ref_A.d, i_A.q - times * ref_A.q});
+}
+
+LODE_NOINLINE bool lode_drive_watch_control(lode_drive_t *self) {
+    lode_running_t *run = &self->state.run;
+    const float far_A2 = off_A2(self);
+    const float most_A2 = self->tuning->plausibility.off_A2;
+    const uint32_t before = run->off;
+    const uint32_t off = far_A2 > most_A2 ? before + OFF_UP : before - (before > 0u ? 1u : 0u);
+    run->off = (uint_least16_t)off;
+    if (rounds_s(self, off) < (float)OFF_UP * OFF_s) {
+        return true;
+    }
+    if (phases_ok(self, lode_half_waves_suspect(&run->waves))) {
+        lode_mode_fault(self, LODE_CHECK_CURRENT_CONTROL, lode_sqrt(far_A2), lode_sqrt(most_A2));
+    }
+    return false;
+}
+
 // False during a start that RUN has yet to prove (it fails by its lock), and while its current fades and leaves less torque. A
 // caught rotor that turns against the command counts as started: it is braked for as long as that takes.
 static bool is_started(const lode_drive_t *self) {
@@ -500,7 +532,9 @@ LODE_NOINLINE bool lode_drive_watch_load(lode_drive_t *self) {
 
 // The EMF is along the rotor's q axis, and its flux is off the expected one by at least `least_Wb`.
 static bool is_another_flux(lode_flux_t flux, float least_Wb) {
-    return flux.aligned && flux.seen_Wb >= LEAST_FLUX * flux.expected_Wb &&
+    return flux.aligned &&
+           lode_in_range(flux.seen_Wb, LEAST_FLUX * flux.expected_Wb,
+                         MOST_FLUX * flux.expected_Wb) &&
            lode_abs(flux.seen_Wb - flux.expected_Wb) >= least_Wb;
 }
 

@@ -55,6 +55,7 @@ const char *lode_check_name(lode_check_t check) {
         NAME(LODE_CHECK_INDUCTANCE);
         NAME(LODE_CHECK_OVERLOAD);
         NAME(LODE_CHECK_CURRENT_GAIN);
+        NAME(LODE_CHECK_CURRENT_CONTROL);
     case LODE_CHECK_COUNT:
     default:
         return "LODE_CHECK_UNKNOWN";

@@ -205,6 +205,7 @@ static void begin_counts(lode_drive_t *self) {
     self->guard.speed = 0u;
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     self->guard.flux_rounds = 0u;
+    self->state.run.off = 0u;
     self->state.run.waves = (lode_half_waves_t){.idle = 0u};
     self->state.run.load = (lode_load_t){.held_rad_s = self->estimator.pll.omega_rad_s};
 #endif

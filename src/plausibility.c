@@ -55,6 +55,8 @@
 // Rounds, counted from 2, in which current control restores the current and the EMF observer settles.
 #define BACK_ROUNDS 5u
 
+#define OFF_SHARE2 0.09f // (K49), squared: 0.3 of i_max
+
 // (K38)
 #define JUMP_SHARE 0.05f  // of i_max
 #define JUMP_SINE2 0.01f  // squared sine: a gain turns the vector by 5.7 degrees at most
@@ -129,6 +131,7 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
         .per_wave_A =
             on && config->check_half_waves == LODE_ON ? WAVE_SHARE / lode_abs(sense->i_gain) : 0.0f,
         .flux_share = on && flux ? config->flux_share : FLUX_ANY,
+        .off_A2 = on ? OFF_SHARE2 * i_max_A * i_max_A : FLT_MAX,
     };
     return LODE_OK;
 }

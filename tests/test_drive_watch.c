@@ -1,4 +1,6 @@
 // What the drive watches for while it runs: ADC channels, half-waves, load, flux, sensors that stand still.
+#include "drive_inline.h"
+#include "drive_slots_inline.h"
 #include "support/drive_cases.h"
 
 void setUp(void) {}
@@ -423,8 +425,8 @@ static void test_another_flux_is_one_at_every_look(void) {
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, by_emf_aside(rig, aside, 1.5f));
     }
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, by_emf_aside(rig, checks, 1.5f));
-    const float sizes[] = {0.45f, 0.55f, 0.77f, 0.83f, 1.17f, 1.23f};
-    const bool other[] = {false, true, true, false, false, true};
+    const float sizes[] = {0.45f, 0.55f, 0.77f, 0.83f, 1.17f, 1.23f, 1.95f, 2.05f};
+    const bool other[] = {false, true, true, false, false, true, true, false};
     for (int n = 0; n < COUNT_OF(sizes); n++) {
         TEST_ASSERT_EQUAL_INT(other[n] ? LODE_CHECK_FLUX : LODE_CHECK_LOST_LOCK,
                               by_emf_aside(rig, 0u, sizes[n]));
@@ -907,6 +909,90 @@ static void test_a_rotor_that_does_not_move_is_stalled(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVERLOAD, trips_by(rig));
 }
 
+/// As many rounds of this current as it takes to trip, at most 10 000; 0: it does not.
+static int rounds_off(rig_t rig, lode_dq_t i_A) {
+    rig.drive.i_A = i_A;
+    for (int n = 1; n <= 10000; n++) {
+        if (!lode_drive_holds_current(&rig.drive)) {
+            TEST_ASSERT_EQUAL_INT(LODE_MODE_FAULT, rig.drive.mode);
+            return n;
+        }
+    }
+    return 0;
+}
+
+/// With this reference, of i_max = 12 A.
+static rig_t with_reference(lode_dq_t ref_A) {
+    const lode_drive_config_t config = rig_config();
+    rig_t rig = proven(&config, 100.0);
+    rig.drive.ref_A = ref_A;
+    return rig;
+}
+
+/// (K49): across it, against it, or beyond i_max along it by more than 3.6 A, for 50 ms.
+static void test_a_current_that_is_not_its_references(void) {
+    const int most = (int)(0.05 / (8.0 * RIG_TS_s) + 0.999);
+    const rig_t rig = with_reference((lode_dq_t){-3.0f, 4.0f});
+    const lode_dq_t away[] = {{-3.0f + 0.8f * 3.61f, 4.0f + 0.6f * 3.61f},
+                              {-0.8f * 3.61f, -0.6f * 3.61f},
+                              {0.6f * 3.61f, -0.8f * 3.61f},
+                              {-0.6f * 15.61f, 0.8f * 15.61f}};
+    const lode_dq_t near[] = {{-3.0f + 0.8f * 3.59f, 4.0f + 0.6f * 3.59f},
+                              {-0.8f * 3.59f, -0.6f * 3.59f},
+                              {0.6f * 3.59f, -0.8f * 3.59f},
+                              {-0.6f * 15.59f, 0.8f * 15.59f}};
+    for (int n = 0; n < COUNT_OF(away); n++) {
+        TEST_ASSERT_EQUAL_INT(most, rounds_off(rig, away[n]));
+        TEST_ASSERT_EQUAL_INT(0, rounds_off(rig, near[n]));
+    }
+    rig_t bad = rig;
+    bad.drive.i_A = (lode_dq_t){-0.6f * 17.0f, 0.8f * 17.0f};
+    while (lode_drive_holds_current(&bad.drive)) {
+    }
+    const lode_fault_t fault = rig_telemetry(&bad).fault;
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_CONTROL", lode_check_name(fault.check));
+    CHECK_NEAR(1.0e-4, 5.0, fault.measured);
+    CHECK_NEAR(1.0e-5, 3.6, fault.limit);
+    TEST_ASSERT_EQUAL_INT(most, rounds_off(with_reference((lode_dq_t){0.0f, 0.0f}), away[1]));
+}
+
+/// Less current than the reference is what a limit leaves, and more of it, up to i_max, what a load that drops does. One round in
+/// four counts for nothing, and what is over is forgotten.
+static void test_what_current_control_may_do(void) {
+    rig_t rig = with_reference((lode_dq_t){0.0f, 10.0f});
+    TEST_ASSERT_EQUAL_INT(0, rounds_off(rig, (lode_dq_t){0.0f, 0.0f}));
+    rig = with_reference((lode_dq_t){0.0f, 1.0f});
+    TEST_ASSERT_EQUAL_INT(0, rounds_off(rig, (lode_dq_t){0.0f, 12.0f}));
+    const lode_dq_t off_A = {4.0f, 1.0f};
+    for (int n = 0; n < 4000; n++) {
+        rig.drive.i_A = n % 4 == 0 ? off_A : rig.drive.ref_A;
+        TEST_ASSERT_TRUE(lode_drive_holds_current(&rig.drive));
+    }
+    TEST_ASSERT_EQUAL_INT(0, rig.drive.state.run.off);
+    int rounds = 0; // two in four are enough, in three times as long
+    do {
+        rig.drive.i_A = rounds % 4 < 2 ? off_A : rig.drive.ref_A;
+        rounds++;
+    } while (lode_drive_holds_current(&rig.drive));
+    CHECK_NEAR(0.01, 3.0 * 0.05, rounds * 8.0 * RIG_TS_s);
+    other_tuning = tuning;
+    other_tuning.plausibility.off_A2 = FLT_MAX; // without plausibility
+    rig = with_reference((lode_dq_t){0.0f, 1.0f});
+    rig.drive.tuning = &other_tuning;
+    TEST_ASSERT_EQUAL_INT(0, rounds_off(rig, (lode_dq_t){100.0f, 0.0f}));
+}
+
+static void test_a_suspected_phase_gives_it_its_name(void) {
+    rig_t rig = with_reference((lode_dq_t){0.0f, 8.0f});
+    rig.drive.state.run.waves.lacks[0] = 4096u; // a quarter of what it takes alone
+    rig.drive.i_A = (lode_dq_t){4.0f, 1.0f};
+    while (lode_drive_holds_current(&rig.drive)) {
+    }
+    const lode_fault_t fault = rig_telemetry(&rig).fault;
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OPEN_PHASE", lode_check_name(fault.check));
+    CHECK_NEAR(0.0, 1.0, fault.measured);
+}
+
 /// Each of them alone tells that it may be something else than the load.
 static void test_what_may_be_else_than_the_load(void) {
     const lode_drive_config_t config = rig_config();
@@ -1326,6 +1412,9 @@ int main(void) {
     RUN_TEST(test_a_load_beyond_all_torque_is_named_within_100_ms);
     RUN_TEST(test_a_load_that_can_be_held_is_none_beyond_all_torque);
     RUN_TEST(test_less_than_all_torque_may_slip);
+    RUN_TEST(test_a_current_that_is_not_its_references);
+    RUN_TEST(test_what_current_control_may_do);
+    RUN_TEST(test_a_suspected_phase_gives_it_its_name);
     RUN_TEST(test_a_rotor_that_does_not_move_is_stalled);
     RUN_TEST(test_what_may_be_else_than_the_load);
     RUN_TEST(test_a_load_that_moves_a_heavy_rotor_is_named);

@@ -175,6 +175,7 @@ typedef struct {
     uint_least16_t proving;
 #endif
 #ifndef LODE_WITHOUT_PLAUSIBILITY
+    uint_least16_t off; ///< rounds in which current control has lost the current (K49), OFF_UP each
     lode_half_waves_t waves; ///< missing half-waves (K24)
     lode_load_t load;        ///< load beyond all torque (K19)
 #endif

@@ -57,6 +57,8 @@ typedef enum {
     LODE_CHECK_OVERLOAD,
     /// factor by which all currents changed at once without a voltage that explains it; limit: 1
     LODE_CHECK_CURRENT_GAIN,
+    /// current across, against, or beyond i_max along its reference, A: current control has lost it
+    LODE_CHECK_CURRENT_CONTROL,
     LODE_CHECK_COUNT
 } lode_check_t;
 

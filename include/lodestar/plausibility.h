@@ -1,7 +1,7 @@
 /// Plausibility checks of currents, switches and load (docs/theory/control.md): an ADC channel whose count does not change
 /// although the current vector turns; three currents whose sum is not zero; a frozen current vector (K36); a current vector
 /// that changes at once by a factor (K38); a phase without a half-wave (K24); a load beyond all the torque (K19); a flux
-/// that is not that of the magnets (P25).
+/// that is not that of the magnets (P25); a current that is not that of its reference (K49).
 ///
 /// They run while the gates are on: counts and sums every LODE_GUARD_PERIODS, the others once in LODE_SLOW_PERIODS or when
 /// there is a reason. In the following, the "reference" is the current reference.
@@ -36,6 +36,7 @@ typedef struct {
     float jump_V2;
     uint32_t stall_rounds; ///< looks after which that is a fault; 0: not checked
     float flux_share;      ///< of the magnets' flux, by which the observed one may be off (P25)
+    float off_A2;          ///< largest distance of the current from its reference, squared (K49)
 } lode_plausibility_tuning_t;
 
 /// Half-wave check in START, where the vector is steady. In 1.1 turns of a vector of at least 2 sqrt(i_min_A2),

@@ -228,6 +228,7 @@ static const rig_key_t keys[] = {
     REACTION("inductance", INDUCTANCE),
     REACTION("overload", OVERLOAD),
     REACTION("current_gain", CURRENT_GAIN),
+    REACTION("current_control", CURRENT_CONTROL),
 
     NUMBER("supply", "battery_A", supply.battery_A, 0.0, 1e5),
     NUMBER_OR("supply", "regen_A", supply.regen_A, 0.0, 1e5, "none"),

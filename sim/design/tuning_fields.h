@@ -202,7 +202,8 @@
     ROW(FLOAT, float, plausibility.taken_V) \
     ROW(FLOAT, float, plausibility.jump_V2) \
     ROW(WHOLE, uint32_t, plausibility.stall_rounds) \
-    ROW(FLOAT, float, plausibility.flux_share)
+    ROW(FLOAT, float, plausibility.flux_share) \
+    ROW(FLOAT, float, plausibility.off_A2)
 
 #define TUNING6_FIELDS(ROW) \
     ROW(FLOAT, float, xy.pi.kp) \

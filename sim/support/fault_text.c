@@ -36,6 +36,7 @@ static const char *unit_of_check(lode_check_t check) {
         {LODE_CHECK_OVER_CURRENT, " in A"},
         {LODE_CHECK_CURRENT_RAIL, " in A"},
         {LODE_CHECK_CURRENT_SUM, " in A"},
+        {LODE_CHECK_CURRENT_CONTROL, " in A"},
         {LODE_CHECK_SWITCH_SHORTED, " in A"},
         {LODE_CHECK_SIGNALS, " in A"},
         {LODE_CHECK_OVER_VOLTAGE, " in V"},
