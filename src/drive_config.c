@@ -586,6 +586,16 @@ lode_status_t lode_drive_check_given(const lode_drive_config_t *config) {
     return status == LODE_OK ? lode_inverter_check_given(&config->inverter) : status;
 }
 
+uint32_t lode_drive_warnings(const lode_drive_config_t *config) {
+    lode_drive_config_t c = *config;
+    lode_drive_design(&c);
+    const lode_hfi_system_t injected = injected_into(&c);
+    const bool sees = lode_start_has_emf(&c.start, &c.inverter, &c.motor);
+    const bool missed = lode_hfi_is_missed(&c.hfi, &injected);
+    return (sees ? 0u : (uint32_t)LODE_WARNING_EMF) |
+           (missed ? (uint32_t)LODE_WARNING_INJECTION : 0u);
+}
+
 lode_status_t lode_drive_tune(lode_drive_tuning_t *tuning, const lode_drive_config_t *config) {
     if (tuning == NULL || config == NULL) {
         return LODE_ERROR_NULL;

@@ -212,6 +212,11 @@ void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system)
     }
 }
 
+bool lode_hfi_is_missed(const lode_hfi_config_t *config, const lode_hfi_system_t *system) {
+    return config->mode == LODE_HFI_OFF && is_start_weak(system) &&
+           check(config, system) != LODE_OK;
+}
+
 lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *config,
                             const lode_hfi_system_t *system) {
     const bool on = config->mode == LODE_HFI_ON;

@@ -1104,6 +1104,24 @@ static void test_free_voltage_leaves_room_for_rounding(void) {
     }
 }
 
+/// (S54), with and without a wave that noise allows; and (S27).
+static void test_what_init_accepts_may_have_warnings(void) {
+    lode_drive_config_t config = minimal();
+    TEST_ASSERT_EQUAL_UINT32(0u, lode_drive_warnings(&config));
+    config.motor.Lq_H = 40.0e-3f;
+    config.motor.psi_Wb = 0.1f;
+    TEST_ASSERT_EQUAL_UINT32(0u, lode_drive_warnings(&config));
+    config.hfi.noise_A = 1.0f;
+    TEST_ASSERT_EQUAL_UINT32(LODE_WARNING_INJECTION, lode_drive_warnings(&config));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, try_config(&config));
+    config.hfi.noise_A = 0.0f;
+    config.hfi.mode = LODE_HFI_OFF; // as chosen
+    TEST_ASSERT_EQUAL_UINT32(0u, lode_drive_warnings(&config));
+    config = minimal();
+    config.motor.Rs_Ohm = 40.0f;
+    TEST_ASSERT_EQUAL_UINT32(LODE_WARNING_EMF, lode_drive_warnings(&config));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_speed_control_knows_its_delays);
@@ -1150,5 +1168,6 @@ int main(void) {
     RUN_TEST(test_the_alert_lies_at_the_trip);
     RUN_TEST(test_free_voltage_leaves_room_for_rounding);
     RUN_TEST(test_rated_speed_follows_from_bus_and_current);
+    RUN_TEST(test_what_init_accepts_may_have_warnings);
     return UNITY_END();
 }

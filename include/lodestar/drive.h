@@ -411,6 +411,17 @@ lode_status_t lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tu
 lode_status_t lode_drive_init(lode_drive_t *self, lode_drive_tuning_t *tuning,
                               const lode_drive_config_t *config);
 
+/// Warnings about a configuration, a bit each.
+enum {
+    LODE_WARNING_EMF = 1, ///< no usable EMF: starts and low speeds may fail (lode_start_has_emf())
+    /// the current vector of a start makes too little torque (S54), but neither voltage nor saliency allow injection
+    LODE_WARNING_INJECTION = 2
+};
+
+/// What to know of a configuration that lode_drive_init() accepts. `design` of the host tool says more. As slow as
+/// lode_drive_design().
+uint32_t lode_drive_warnings(const lode_drive_config_t *config);
+
 /// One control period: sense, estimate, act. Call it from the PWM interrupt, and only after lode_drive_begin() or
 /// lode_drive_init(). Accepts any input: the run time is bounded and the duties are in [0, 1]. No allocation.
 /// Cycles, stack and RAM: docs/budget.md.

@@ -146,6 +146,10 @@ typedef struct {
 /// Fills every zero field that has a default, and replaces LODE_HFI_DEFAULT and LODE_HFI_AUTO by on or off.
 void lode_hfi_design(lode_hfi_config_t *config, const lode_hfi_system_t *system);
 
+/// True if a completed configuration lacks injection although the start would need it (S54), because the machine does
+/// not allow it.
+bool lode_hfi_is_missed(const lode_hfi_config_t *config, const lode_hfi_system_t *system);
+
 /// Checks a completed configuration and derives the tuning.
 lode_status_t lode_hfi_tune(lode_hfi_tuning_t *tuning, const lode_hfi_config_t *config,
                             const lode_hfi_system_t *system);

@@ -164,10 +164,17 @@ void verdict_compute(verdict_t *verdict, const lode_drive_config_t *drive,
     judge_speeds(verdict, drive, speeds);
     judge_steps(verdict, drive);
     judge_margins(verdict);
-    if (!lode_start_has_emf(&drive->start, &drive->inverter, &drive->motor)) {
+    const uint32_t warnings = lode_drive_warnings(drive);
+    if ((warnings & (uint32_t)LODE_WARNING_EMF) != 0u) {
         add_change(verdict, "no_usable_emf",
                    "use a motor with less resistance or more flux, a higher v_bus_V, or an angle "
                    "sensor",
                    "no usable EMF (see limits)");
+    }
+    if ((warnings & (uint32_t)LODE_WARNING_INJECTION) != 0u) {
+        add_change(
+            verdict, "no_injection",
+            "a higher v_bus_V, or less noise in the currents; hfi.mode = on tells what is missing",
+            "the current vector of a start has too little torque, and injection is not possible");
     }
 }
