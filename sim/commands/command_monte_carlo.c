@@ -9,6 +9,7 @@
 #include "support/names.h"
 #include "support/outputs.h"
 #include "support/progress.h"
+#include "support/shell.h"
 #include "support/workers.h"
 
 #define CASES_DEFAULT 200u
@@ -44,6 +45,23 @@ static bool check_seeds(const mc_campaign_t *campaign) {
     return good;
 }
 
+/// The --set options as words of the command that repeats a case.
+static bool describe_sets(mc_campaign_t *campaign, const options_t *options) {
+    for (int k = 0; k < options->sets; ++k) {
+        const size_t used = strlen(campaign->sets);
+        const size_t room = sizeof campaign->sets - used;
+        const int head = snprintf(campaign->sets + used, room, " --set ");
+        if (head < 0 || (size_t)head >= room ||
+            !shell_word(campaign->sets + used + (size_t)head, room - (size_t)head,
+                        options->set[k])) {
+            rig_error("--set: expected fewer or shorter ones, at most %zu characters together",
+                      sizeof campaign->sets - 1u);
+            return false;
+        }
+    }
+    return true;
+}
+
 static bool describe(mc_campaign_t *campaign, const options_t *options) {
     campaign->test = MC_START;
     for (int k = MC_START; k <= MC_OPEN_PHASE; ++k) {
@@ -59,12 +77,7 @@ static bool describe(mc_campaign_t *campaign, const options_t *options) {
     }
     campaign->cases = options->cases > 0u ? options->cases : CASES_DEFAULT;
     campaign->seed = options->has_seed ? options->seed : SEED_DEFAULT;
-    for (int k = 0; k < options->sets; ++k) {
-        const size_t used = strlen(campaign->sets);
-        (void)snprintf(campaign->sets + used, sizeof campaign->sets - used, " --set '%s'",
-                       options->set[k]);
-    }
-    return check_seeds(campaign) &&
+    return describe_sets(campaign, options) && check_seeds(campaign) &&
            (options->motors != NULL ? names_take("--motors", options->motors, add_motor, campaign)
                                     : data_files_pairs(add_motor, campaign));
 }

@@ -9,6 +9,8 @@
 #include "config/config_json.h"
 #include "support/diag.h"
 #include "support/inputs.h"
+#include "support/shell.h"
+#include "support/utf8.h"
 
 // The bar for each motor.
 #define MOTOR_SHARE 0.97
@@ -88,8 +90,9 @@ void mc_results_print_failure(FILE *file, const mc_results_t *self, uint64_t num
     (void)fprintf(file,
                   "%-18s %-60s lodestar monte-carlo %s --motors %s --errors %s --n 1 --seed "
                   "%llu%s\n",
-                  motor, row->cause, mc_test_name(campaign->test), motor,
-                  mc_errors_name(campaign->errors), (unsigned long long)seed, campaign->sets);
+                  utf8_copy_shown(name, sizeof name, motor),
+                  utf8_copy_shown(cause, sizeof cause, row->cause), mc_test_name(campaign->test),
+                  word, mc_errors_name(campaign->errors), (unsigned long long)seed, campaign->sets);
 }
 
 // ---- Table --------------------------------------------------------------------------------------
@@ -109,6 +112,10 @@ static count_t count_of(const mc_results_t *self, uint64_t from, uint64_t to) {
     for (uint64_t n = from; n < to; ++n) {
         const mc_row_t *row = &self->row[n];
         count.cases += row->done;
+    char word[SHELL_GROWTH * NAMES_LENGTH + 3];
+    char name[NAMES_LENGTH + 4];
+    char cause[sizeof row->cause + 4];
+    (void)shell_word(word, sizeof word, motor);
         count.passed += row->passed;
         count.listed += row->listed;
         count.silent += is_silent(row) ? 1u : 0u;
@@ -241,7 +248,9 @@ static void print_motor(FILE *file, const mc_results_t *self, int k, const char 
     const mc_campaign_t *campaign = &self->campaign;
     const uint64_t from = (uint64_t)k * campaign->cases;
     const count_t count = count_of(self, from, from + campaign->cases);
-    (void)fprintf(file, "%-20s %9llu %9llu %8.2f %8llu  %.1f%s\n", campaign->motor[k],
+    char name[NAMES_LENGTH + 4];
+    (void)fprintf(file, "%-20s %9llu %9llu %8.2f %8llu  %.1f%s\n",
+                  utf8_copy_shown(name, sizeof name, campaign->motor[k]),
                   (unsigned long long)count.cases, (unsigned long long)count.passed,
                   100.0 * share_of(&count), (unsigned long long)count.silent, count.max_error_deg,
                   verdict);
@@ -431,7 +440,11 @@ static bool read_campaign(mc_campaign_t *campaign, const cJSON *root) {
     campaign->cases = (uint64_t)cases;
     campaign->seed = (uint64_t)seed;
     campaign->motors = count;
-    (void)snprintf(campaign->sets, sizeof campaign->sets, "%s", text_of(root, "set"));
+    const char *sets = text_of(root, "set"); // printed as a part of a command
+    if (strlen(sets) >= sizeof campaign->sets || !shell_is_words(sets)) {
+        return false;
+    }
+    (void)snprintf(campaign->sets, sizeof campaign->sets, "%s", sets);
     for (int k = 0; k < count; ++k) {
         const char *name = cJSON_GetStringValue(cJSON_GetArrayItem(motors, k));
         if (name == NULL || strlen(name) >= sizeof campaign->motor[k]) {

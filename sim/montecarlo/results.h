@@ -18,7 +18,8 @@ typedef struct {
     int motors;
     char motor[MC_MOTORS_MAX][NAMES_LENGTH];
     bool named[MC_MOTORS_MAX]; ///< reported by `design` as without usable EMF
-    char sets[512];            ///< the --set options, for the command that repeats a case
+    char sets[4096];           ///< the --set options as words of a shell, for the command that
+                               ///< repeats a case
 } mc_campaign_t;
 
 /// A case without a result has done == 0.

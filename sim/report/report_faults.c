@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "support/units.h"
+#include "support/utf8.h"
 
 static const struct {
     int bit;
@@ -41,6 +42,20 @@ static void print_time(FILE *file, double time_s) {
 }
 
 /// The columns: states of the motor in which faults begin.
+/// A name as text of Markdown, which is also shown on the screen.
+static void print_name(FILE *file, const char *text) {
+    while (*text != '\0') {
+        char shown[4];
+        const size_t length = utf8_shown(&text, shown);
+        if (*shown == '<' || *shown == '>' || *shown == '&') {
+            (void)fputs(*shown == '<' ? "&lt;" : (*shown == '>' ? "&gt;" : "&amp;"), file);
+        } else {
+            const bool marks = length == 1 && strchr("\\`*[]|#~$", *shown) != NULL;
+            (void)fprintf(file, "%s%.*s", marks ? "\\" : "", (int)length, shown);
+        }
+    }
+}
+
 static int points_of(const fault_bench_t *bench) {
     int points = 0;
     for (int point = 0; point < FAULT_POINTS; ++point) {
@@ -131,15 +146,16 @@ int report_faults_table(FILE *file, const report_faults_t *report) {
     const int cases = report->kinds * points;
     int silent = 0;
     int found = 0;
-    (void)fprintf(file,
-                  "## %s\n\n%s phases, i_max %.3g A, trip %.3g A, bus %.4g V, %.3g kHz; full speed "
-                  "%.4g rpm%s%s.\n\n| fault |",
-                  report->motor, report->bench->at[0].sets == PLANT_SETS ? "six" : "three",
-                  (double)drive->inverter.i_max_A, (double)drive->guard.i_trip_A,
-                  (double)drive->inverter.v_bus_V, 1e-3 * (double)drive->f_pwm_Hz,
-                  rig_rpm_from_rad_s(report->bench->full_rad_s),
-                  report->place != NULL ? "; faults in " : "",
-                  report->place != NULL ? report->place : "");
+    (void)fputs("## ", file);
+    print_name(file, report->motor);
+    (void)fprintf(
+        file,
+        "\n\n%s phases, i_max %.3g A, trip %.3g A, bus %.4g V, %.3g kHz; full speed "
+        "%.4g rpm%s%s.\n\n| fault |",
+        report->bench->at[0].sets == PLANT_SETS ? "six" : "three", (double)drive->inverter.i_max_A,
+        (double)drive->guard.i_trip_A, (double)drive->inverter.v_bus_V,
+        1e-3 * (double)drive->f_pwm_Hz, rig_rpm_from_rad_s(report->bench->full_rad_s),
+        report->place != NULL ? "; faults in " : "", report->place != NULL ? report->place : "");
     for (int point = 0; point < FAULT_POINTS; ++point) {
         (void)fprintf(file, " %s |", fault_point_name[point]);
     }

@@ -4,6 +4,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "support/utf8.h"
+
 #define SHOW_AFTER_s 0.5
 #define SHOW_EVERY_s 0.2
 
@@ -29,7 +31,9 @@ void progress_show(progress_t *self, double fraction, const char *what) {
     }
     self->shown_s = wall_clock_s();
     self->shown = true;
-    (void)fprintf(stderr, "\r\033[K%3.0f %%  %s", 100.0 * fraction, what);
+    char words[80]; // a line
+    (void)fprintf(stderr, "\r\033[K%3.0f %%  %s", 100.0 * fraction,
+                  utf8_copy_shown(words, sizeof words, what));
     (void)fflush(stderr);
 }
 

@@ -1,7 +1,7 @@
 #include "support/utf8.h"
 
 #include <stdbool.h>
-#include <stddef.h>
+#include <string.h>
 
 int utf8_length(const unsigned char *text) {
     static const struct {
@@ -22,4 +22,27 @@ int utf8_length(const unsigned char *text) {
         }
     }
     return 0;
+}
+
+size_t utf8_shown(const char **text, char *shown) {
+    const unsigned char *at = (const unsigned char *)*text;
+    const int length = utf8_length(at);
+    const bool control = *at < ' ' || *at == 0x7f || (length == 2 && at[0] == 0xc2 && at[1] < 0xa0);
+    *text += length > 1 ? length : 1;
+    if (length == 0 || control) {
+        *shown = control ? ' ' : '?';
+        return 1;
+    }
+    (void)memcpy(shown, at, (size_t)length);
+    return (size_t)length;
+}
+
+const char *utf8_copy_shown(char *shown, size_t size, const char *text) {
+    enum { AT_MOST = 4 + 1 }; // a character and the end
+    size_t to = 0;
+    while (*text != '\0' && to + AT_MOST <= size) {
+        to += utf8_shown(&text, shown + to);
+    }
+    shown[to] = '\0';
+    return shown;
 }

@@ -1,4 +1,5 @@
-"""Names out of files and of files reach pictures and generated C as text only: nothing in them is run."""
+"""Names out of files and of files reach pictures, generated C, printed commands and tables as text only: nothing in them is run."""
+import json
 import pathlib
 import re
 import shutil
@@ -7,7 +8,7 @@ import sys
 import xml.dom.minidom
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
-from tool import DRIVE, MOTOR, RECORDINGS, TOOL, Checks, Folder
+from tool import DRIVE, MOTOR, RECORDINGS, SOURCE, TOOL, Checks, Folder, refused
 
 # What gnuplot's shells, strings, commands, enhanced text and XML make something of. A phase's name
 # has at most 31 characters and ends at a bracket, a file's name has no slash.
@@ -115,10 +116,63 @@ def generated_c(checks, folder):
     checks.true("#error from a file name" in lines[0] and lines[0].startswith("//"), f"first line {lines[0]}")
 
 
+def motor_files(folder):
+    """The same motor and drive under each name; a comma would separate names."""
+    own = (SOURCE / "sim/data/motors/servo_48V.ini").read_text() + (SOURCE / "sim/data/drives/servo_48V.ini").read_text()
+    for name in [*TEXTS, *FILES_ONLY]:
+        if isinstance(name, str) and not {"/", ","} & set(name) and len(name) < 100:
+            yield folder.write(f"{name}.ini", own)
+
+
+def commands(checks, folder):
+    """The command that repeats a failed case is pasted into a shell: it repeats the case, and runs nothing else."""
+    fails = ["--n", "1", "--set", "start.timeout_s=0.2"]
+    for path in motor_files(folder):
+        before = set(folder.names())
+        done = folder.run("monte-carlo", "start", "--motors", path.name, *fails)
+        checks.equal(done.returncode, 1, f"a case that fails, {path.name!r}: {done.stderr}")
+        checks.true(not re.search(r"[\x00-\x09\x0b-\x1f\x7f]", done.stdout), f"control characters: {done.stdout!r}")
+        command = re.search(r" lodestar (monte-carlo start .*)\n", done.stdout)
+        checks.true(command, f"a command in {done.stdout!r}")
+        for shell in ("sh", "bash") if command else ():
+            again = subprocess.run([shell, "-c", f"exec '{TOOL}' {command.group(1)}"], cwd=folder.path, text=True,
+                                   capture_output=True, stdin=subprocess.DEVNULL, check=False)
+            exact = not re.search(r"[\x00-\x1f\x7f]", path.name)
+            checks.true(again.stdout == done.stdout or not exact, f"{command.group(1)!r} again: {again.stderr}")
+        checks.equal(set(folder.names()), before, f"files after {path.name!r}")
+        path.unlink()
+    # Quotes in a setting too; what shells make nothing of stays as it is.
+    done = folder.run("monte-carlo", "start", "--motors", "servo_48V", *fails, "--set", "estimator.emf=c-leso", "--json", "m.json")
+    checks.true("--motors servo_48V --errors start --n 1 --seed 1 --set 'start.timeout_s=0.2' --set 'estimator.emf=c-leso'\n"
+                in done.stdout, f"a plain name: {done.stdout}")
+    folder.write("it's a map.csv", "i_d,i_q,psi_d,psi_q\n" + "".join(
+        f"{d},{q},{0.02 + 1e-4 * d},{1e-4 * q}\n" for d in (-60, -20, 20, 60) for q in (-60, -20, 20, 60)))
+    done = folder.run("monte-carlo", "start", "--motors", "servo_48V", *fails, "--set", "plant.flux_map=it's a map.csv")
+    checks.true("--set 'plant.flux_map=it'\\''s a map.csv'\n" in done.stdout, f"a quote in a setting: {done.stdout} {done.stderr}")
+    for setting in ("x; touch ran", " --set $(touch ran)", " --set 'a'`touch ran`", " --set 'open", " --set '\x1b'", "x" * 5000):
+        folder.write("bad.json", json.dumps({**json.loads((folder.path / "m.json").read_text()), "set": setting}))
+        refused(checks, folder, ["monte-carlo", "merge", "bad.json"], "expected a file that monte-carlo --json has written")
+    many = [word for _ in range(60) for word in ("--set", "start.timeout_s=0.2" + "0" * 80)]
+    refused(checks, folder, ["monte-carlo", "start", "--motors", "servo_48V", "--n", "1", *many], "--set: expected fewer or shorter ones")
+
+
+def tables(checks, folder):
+    """A name is text in the table of `faults`: of Markdown, and of the terminal."""
+    for name, heading in (("a|<b>\x1b[31m\x07`x`*.ini", "## a\\|&lt;b&gt; \\[31m \\`x\\`\\*.ini\n"), ("\u00b5_m.ini", "## \u00b5_m.ini\n")):
+        path = folder.write(name, (SOURCE / "sim/data/motors/servo_48V.ini").read_text() +
+                            (SOURCE / "sim/data/drives/servo_48V.ini").read_text())
+        done = folder.run("faults", "--motors", name, "--kinds", "none", "--out", "f.md")
+        for text in (done.stdout, (folder.path / "f.md").read_text()):
+            checks.true(heading in text and not re.search(r"[\x00-\x09\x0b-\x1f\x7f]", text), f"{heading!r} in {text!r}")
+        path.unlink()
+
+
 def main():
     checks = Checks()
     with Folder() as folder:
         generated_c(checks, folder)
+        commands(checks, folder)
+        tables(checks, folder)
         if shutil.which("gnuplot"):
             phases(checks, folder)
             titles(checks, folder)
