@@ -22,6 +22,7 @@ enum { CAUSES_MAX = 64 };
 #define LISTED_STEPS                                                                               \
     "load steps left out: without a response they would halve the speed within 10 ms"
 #define NAMED "  no usable EMF (see `design`): not counted against the bars"
+#define OTHER_CAUSE "  (other cause: this hardware is sound)"
 #define LISTED_COASTS                                                                              \
     "speeds left out: the EMF is above the bus, and drives a current through the diodes"
 
@@ -82,11 +83,38 @@ static bool is_false_trip(const mc_row_t *row) {
            (double)row->max_error_deg < MC_ERROR_MAX_deg;
 }
 
+/// Checks that blame hardware. Resistance and inductance are not among them: the trials have these wrong on purpose.
+static const char *const blames[] = {"OPEN_PHASE ",
+                                     "CURRENT_",
+                                     "SWITCH_SHORTED ",
+                                     "FLUX ",
+                                     "BUS_STUCK ",
+                                     "TEMPERATURE_STUCK ",
+                                     "UNDER_TEMPERATURE",
+                                     "MEMORY ",
+                                     "TIMING ",
+                                     "SIGNALS ",
+                                     "OFFSET "};
+enum { BLAMES = sizeof blames / sizeof blames[0] };
+
+/// A fault with another cause: it blames hardware, all of which is sound in a trial without a broken phase.
+static bool is_other_cause(const mc_campaign_t *campaign, const mc_row_t *row) {
+    int k = 0;
+    while (k < BLAMES && strncmp(row->cause, blames[k], strlen(blames[k])) != 0) {
+        ++k;
+    }
+    return campaign->test != MC_OPEN_PHASE && row->done != 0u && row->passed == 0u && k < BLAMES;
+}
+
 void mc_results_print_failure(FILE *file, const mc_results_t *self, uint64_t number) {
     const mc_campaign_t *campaign = &self->campaign;
     const char *motor = campaign->motor[number / campaign->cases];
     const uint64_t seed = campaign->seed + number % campaign->cases;
     const mc_row_t *row = &self->row[number];
+    char word[SHELL_GROWTH * NAMES_LENGTH + 3];
+    char name[NAMES_LENGTH + 4];
+    char cause[sizeof row->cause + 4];
+    (void)shell_word(word, sizeof word, motor);
     (void)fprintf(file,
                   "%-18s %-60s lodestar monte-carlo %s --motors %s --errors %s --n 1 --seed "
                   "%llu%s\n",
@@ -98,13 +126,14 @@ void mc_results_print_failure(FILE *file, const mc_results_t *self, uint64_t num
 // ---- Table --------------------------------------------------------------------------------------
 
 typedef struct {
-    uint64_t cases, passed, silent, reported, listed, false_trips, periods;
+    uint64_t cases, passed, silent, reported, listed, false_trips, other_causes, periods;
     double max_error_deg;
 } count_t;
 
 typedef struct {
     const char *words;
     uint64_t count;
+    bool is_other;
 } cause_t;
 
 static count_t count_of(const mc_results_t *self, uint64_t from, uint64_t to) {
@@ -112,15 +141,12 @@ static count_t count_of(const mc_results_t *self, uint64_t from, uint64_t to) {
     for (uint64_t n = from; n < to; ++n) {
         const mc_row_t *row = &self->row[n];
         count.cases += row->done;
-    char word[SHELL_GROWTH * NAMES_LENGTH + 3];
-    char name[NAMES_LENGTH + 4];
-    char cause[sizeof row->cause + 4];
-    (void)shell_word(word, sizeof word, motor);
         count.passed += row->passed;
         count.listed += row->listed;
         count.silent += is_silent(row) ? 1u : 0u;
         count.reported += is_reported(row) ? 1u : 0u;
         count.false_trips += is_false_trip(row) ? 1u : 0u;
+        count.other_causes += is_other_cause(&self->campaign, row) ? 1u : 0u;
         count.periods += row->periods;
         count.max_error_deg = fmax(count.max_error_deg, (double)row->max_error_deg);
     }
@@ -137,7 +163,7 @@ static int by_count(const void *a, const void *b) {
 }
 
 static void print_causes(FILE *file, const mc_results_t *self, uint64_t from, uint64_t to) {
-    cause_t cause[CAUSES_MAX] = {{NULL, 0u}};
+    cause_t cause[CAUSES_MAX] = {{NULL, 0u, false}};
     int causes = 0;
     for (uint64_t n = from; n < to; ++n) {
         const mc_row_t *row = &self->row[n];
@@ -149,13 +175,16 @@ static void print_causes(FILE *file, const mc_results_t *self, uint64_t from, ui
             continue;
         }
         if (k == causes) {
-            cause[causes++] = (cause_t){row->cause, 0u};
+            cause[causes++] = (cause_t){row->cause, 0u, is_other_cause(&self->campaign, row)};
         }
         cause[k].count++;
     }
     qsort(cause, (size_t)causes, sizeof cause[0], by_count);
     for (int k = 0; k < causes; ++k) {
-        (void)fprintf(file, "    %6llu  %s\n", (unsigned long long)cause[k].count, cause[k].words);
+        char words[sizeof self->row->cause + 4];
+        (void)fprintf(file, "    %6llu  %s%s\n", (unsigned long long)cause[k].count,
+                      utf8_copy_shown(words, sizeof words, cause[k].words),
+                      cause[k].is_other ? OTHER_CAUSE : "");
     }
 }
 
@@ -290,6 +319,12 @@ bool mc_results_print(FILE *file, const mc_results_t *self) {
                   faulted ? "" : "  BAR MISSED: not every failure ended in a fault");
     if (campaign->test == MC_OPEN_PHASE) {
         print_found(file, self);
+    } else if (all.passed < all.cases) {
+        (void)fprintf(file, "failures whose fault blames sound hardware: %llu of %llu\n",
+                      (unsigned long long)all.other_causes,
+                      (unsigned long long)(all.cases - all.passed));
+    } else {
+        // nothing to blame
     }
     return (!quiet || print_quiet(file, &all)) && good && pooled && faulted;
 }
@@ -313,6 +348,9 @@ static void write_row(FILE *file, const mc_results_t *self, uint64_t number) {
     config_json_number(object, "seed", (double)(campaign->seed + number % campaign->cases));
     (void)cJSON_AddStringToObject(object, "result", row->passed != 0u ? "pass" : "fail");
     (void)cJSON_AddStringToObject(object, "cause", row->cause);
+    if (is_other_cause(campaign, row)) {
+        (void)cJSON_AddBoolToObject(object, "other_cause", true);
+    }
     (void)cJSON_AddRawToObject(object, "max_error_deg", isnan(row->max_error_deg) ? "null" : error);
     if (row->listed > 0u) {
         (void)cJSON_AddNumberToObject(object, "listed", (double)row->listed);

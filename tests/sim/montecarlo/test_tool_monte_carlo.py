@@ -132,6 +132,27 @@ def told(checks, folder):
         checks.equal(done.returncode, 1, "a failure all the same")
 
 
+def blamed(checks, folder):
+    """A fault that blames hardware, all of which is sound, is told, but where a phase is broken; in JSON too."""
+    _, text = run(folder, "run", "--motors", "fan_325V", "--n", 4)
+    for cause, other in (("OPEN_PHASE in RUN, start", True), ("CURRENT_SUM in RUN, start", True), ("FLUX in RUN, start", True),
+                         ("LOST_LOCK in RUN, start", False), ("RESISTANCE in START, start", False), ("silent: not in RUN, start", False)):
+        data = json.loads(text)
+        for row in data["rows"][:2]:
+            row.update(result="fail", cause=cause)
+        folder.write("m.json", json.dumps(data))
+        done = folder.run("monte-carlo", "merge", "m.json", "--json", "all.json")
+        checks.true(f"failures whose fault blames sound hardware: {2 if other else 0} of 2\n" in done.stdout, f"{cause}: {done.stdout}")
+        checks.equal(f"{cause}  (other cause: this hardware is sound)\n" in done.stdout, other, f"{cause}: {done.stdout}")
+        rows = rows_of((folder.path / "all.json").read_text()).values()
+        checks.equal(sum(row.get("other_cause", False) for row in rows), 2 if other else 0, f"{cause} in JSON")
+    data.update(test="open-phase")
+    data["rows"][0]["cause"] = "CURRENT_STUCK in RUN, broken"
+    folder.write("m.json", json.dumps(data))
+    done = folder.run("monte-carlo", "merge", "m.json")
+    checks.true("sound" not in done.stdout, f"a phase is broken: {done.stdout}")
+
+
 def fly(checks, folder):
     """A rotor that turns already is caught at every speed; one that nothing looks for is not."""
     done, text = run(folder, "fly", "--motors", "compressor_310V", "--n", 21)
@@ -218,6 +239,7 @@ def main():
         seeds(checks, folder)
         bars(checks, folder)
         named(checks, folder)
+        blamed(checks, folder)
         told(checks, folder)
         fly(checks, folder)
         quiet(checks, folder)
