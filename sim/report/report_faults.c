@@ -16,6 +16,7 @@ static const struct {
     {FAULT_HARM_HEAT, "heat"},          {FAULT_HARM_STUCK, "does not run"},
     {FAULT_HARM_DIP, "the speed dips"},
 };
+#define OVER_SHOWN_s 0.01
 enum { HARMS = sizeof harms / sizeof harms[0], BITS_SHOWN = 40 };
 
 static void harm_words(int harm, char *text, size_t size) {
@@ -41,7 +42,6 @@ static void print_time(FILE *file, double time_s) {
     }
 }
 
-/// The columns: states of the motor in which faults begin.
 /// A name as text of Markdown, which is also shown on the screen.
 static void print_name(FILE *file, const char *text) {
     while (*text != '\0') {
@@ -56,6 +56,7 @@ static void print_name(FILE *file, const char *text) {
     }
 }
 
+/// The columns: states of the motor in which faults begin.
 static int points_of(const fault_bench_t *bench) {
     int points = 0;
     for (int point = 0; point < FAULT_POINTS; ++point) {
@@ -79,11 +80,18 @@ static void print_cell(FILE *file, const fault_result_t *one) {
     } else {
         (void)fprintf(file, " %s ", check_word(one->found));
         print_time(file, one->found_s);
+        if (one->named != one->found && one->named != LODE_CHECK_NONE) {
+            (void)fprintf(file, ", then %s", check_word(one->named));
+        }
     }
     if (one->tried > 1) {
         (void)fprintf(file, " (silent %d of %d)", one->silent, one->tried);
     }
     (void)fprintf(file, ", %.3g A", one->peak_A);
+    if (one->over_s >= OVER_SHOWN_s) {
+        (void)fputs(", beyond 1.2 i_max for ", file);
+        print_time(file, one->over_s);
+    }
     if (one->back_deg >= 1.0) {
         (void)fprintf(file, ", back %.3g deg", one->back_deg);
     }
@@ -195,14 +203,19 @@ void report_faults_page(FILE *file, const char *tables) {
         "(mechanical degrees).\n\n"
         "`harmless`: not found, and nothing went wrong within the observation time of one second "
         "(start: three seconds plus twice its time-out). **silent**: not found, although one of "
-        "these held for 10 ms: angle error above 60 degrees (rotor lost), a phase current above "
-        "1.2 i_max, a current off its reference by more than 0.3 i_max, a power stage 10 K above "
-        "its limit; or although at the end the speed was off by more than 10 % of full speed, or "
-        "the drive was not in RUN and reported no reason. Current below its reference, or above it "
-        "but within i_max, only changes the torque, as a load does: the speed decides. `the speed "
-        "dips`: the speed was off by more than 10 % of full speed for 0.1 s and recovered. `given "
-        "up`: the number of start attempts given up right after the hand-over, from the "
-        "telemetry's `retries`. Of a fault with several variants the worst result is shown.\n\n"
+        "these held for 10 ms: angle error above 60 degrees (rotor lost), a current vector longer "
+        "than 1.2 i_max, a current off its reference by more than 0.3 i_max, a power stage 10 K "
+        "above its limit; or although a phase current was beyond 1.2 i_max for 10 ms within 50 ms, "
+        "be it in pulses; or although at the end the speed was off by more than 10 % of full "
+        "speed, or the drive was not in RUN and reported no reason. Current below its reference, "
+        "or above it but within i_max, only changes the torque, as a load does: the speed decides. "
+        "`the speed dips`: the speed was off by more than 10 % of full speed for 0.1 s and "
+        "recovered. `given up`: the number of start attempts given up right after the hand-over, "
+        "from the telemetry's `retries`. What went wrong in such an attempt is thereby reported, "
+        "except a current beyond 1.2 i_max for more than 0.1 s. `beyond 1.2 i_max for`: how long "
+        "in all, before the fault was found, a vector or a phase current was, from 10 ms on. "
+        "`then`: within 20 ms with the gates off the drive has named the cause more closely. Of a "
+        "fault with several variants the worst result is shown.\n\n"
         "The simulated inverter switches, with dead time and noise. It has no over-current trip in "
         "hardware, which a real bridge must have: where interrupts are missed or a switch is "
         "shorted, only the motor limits the current. Bus voltage and temperature have a noise of "
@@ -251,10 +264,12 @@ void report_faults_json(cJSON *root, const report_faults_t *report) {
         (void)cJSON_AddStringToObject(item, "in", report->place != NULL ? report->place : "a1");
         (void)cJSON_AddStringToObject(item, "at", fault_point_name[n % FAULT_POINTS]);
         (void)cJSON_AddStringToObject(item, "found", check_word(one->found));
+        (void)cJSON_AddStringToObject(item, "named", check_word(one->named));
         (void)cJSON_AddBoolToObject(item, "silent", fault_is_silent(one));
         (void)cJSON_AddStringToObject(item, "harm", words);
         config_json_number(item, "found_s", one->found_s);
         config_json_number(item, "peak_A", one->peak_A);
+        config_json_number(item, "over_s", one->over_s);
         config_json_number(item, "back_deg", one->back_deg);
         config_json_number(item, "given_up", one->given_up);
         config_json_number(item, "tried", one->tried);

@@ -8,6 +8,8 @@
 #include "support/units.h"
 
 #define HOLD_s 0.01
+#define RECUR_s 0.05 // window in which a phase current may be beyond its limit for HOLD_s
+#define LONG_s 0.1   // beyond the limit in a start attempt that was given up
 #define SPEED_HOLD_s 0.1
 #define LOST_rad (60.0 * RIG_PI / 180.0)
 #define CURRENT_SHARE 1.2
@@ -156,13 +158,38 @@ bool fault_bench_init(fault_bench_t *self, const rig_config_t *config, double lo
 
 // ---- One case -----------------------------------------------------------------------------------
 
-/// How long each harm has lasted.
+enum { WINDOW = 8192 }; // periods
+
+/// The last RECUR_s: in which periods a phase current was beyond 1.2 i_max.
+typedef struct {
+    bool beyond[WINDOW];
+    int at, periods; ///< oldest; how many there are
+    int count;       ///< of those beyond
+} window_t;
+
+/// How long each harm has lasted, in this attempt of the start.
 typedef struct {
     double rotor_s, current_s, control_s, speed_s, heat_s;
+    double over_s; ///< beyond 1.2 i_max, not in one piece
+    window_t phase;
+    uint_least8_t losses; ///< of the drive, before this period
 } lasting_t;
 
 static double held(double since_s, bool bad, double ts_s) {
     return bad ? since_s + ts_s : 0.0;
+}
+
+/// Time beyond within the window that ends now.
+static double recurred(window_t *window, bool beyond, double ts_s) {
+    window->count += (beyond ? 1 : 0) - (window->beyond[window->at] ? 1 : 0);
+    window->beyond[window->at] = beyond;
+    window->at = (window->at + 1) % window->periods;
+    return window->count * ts_s;
+}
+
+static lasting_t nothing_yet(const lode_drive_t *drive, double ts_s) {
+    return (lasting_t){.losses = drive->losses,
+                       .phase = {.periods = (int)fmin(WINDOW, ceil(RECUR_s / ts_s))}};
 }
 
 static double largest_A(const plant_truth_t *truth) {
@@ -208,30 +235,53 @@ static int harm_now(const fault_bench_t *self, const rig_t *rig, fault_point_t p
         running ? self->speed_rad_s[point] : (double)lode_drive_speed_ref_rad_s(drive);
     const double off_rad_s = fabs(truth->omega_m_rad_s - wanted_rad_s);
     const double limit_degC = (double)self->config.drive.guard.temperature_max_degC;
+    const bool is_long = longest_A(truth) > CURRENT_SHARE * i_max;
+    const bool is_large = largest_A(truth) > CURRENT_SHARE * i_max;
+    const bool recurs = recurred(&last->phase, is_large, ts_s) >= HOLD_s;
+    last->over_s += is_long || is_large ? ts_s : 0.0;
     last->rotor_s = held(last->rotor_s, driven && fabs(off_rad) > LOST_rad, ts_s);
-    last->current_s = held(last->current_s, longest_A(truth) > CURRENT_SHARE * i_max, ts_s);
+    last->current_s = held(last->current_s, is_long, ts_s);
     last->control_s = held(last->control_s, driven && off_A > CONTROL_SHARE * i_max, ts_s);
     last->speed_s = held(last->speed_s, driven && off_rad_s > SPEED_SHARE * self->full_rad_s, ts_s);
     last->heat_s = held(last->heat_s, rig->plant.temperature_degC > limit_degC + HEAT_K, ts_s);
     return (last->rotor_s >= HOLD_s ? FAULT_HARM_ROTOR : 0) |
-           (last->current_s >= HOLD_s ? FAULT_HARM_CURRENT : 0) |
+           (last->current_s >= HOLD_s || recurs ? FAULT_HARM_CURRENT : 0) |
            (last->control_s >= HOLD_s ? FAULT_HARM_CONTROL : 0) |
            (last->speed_s >= SPEED_HOLD_s ? FAULT_HARM_DIP : 0) |
            (last->heat_s >= HOLD_s ? FAULT_HARM_HEAT : 0);
 }
 
+/// One period before a fault was found.
+static void watch(const fault_bench_t *self, const rig_t *rig, fault_point_t point,
+                  const plant_truth_t *truth, lasting_t *last, fault_result_t *result) {
+    const double before_s = last->over_s;
+    result->harm |= harm_now(self, rig, point, truth, last);
+    result->over_s += last->over_s - before_s;
+    if (rig->drive->losses >
+        last->losses) { // a start attempt was given up, which telemetry reports
+        result->harm &= FAULT_HARM_DIP | (last->over_s > LONG_s ? FAULT_HARM_CURRENT : 0);
+        result->given_up++;
+        *last = nothing_yet(rig->drive, self->plant.period_s);
+    }
+    last->losses = rig->drive->losses;
+}
+
+static bool has_fault(const rig_t *rig) {
+    return rig->drive->guard.fault.check != (uint_least8_t)LODE_CHECK_NONE;
+}
+
 static fault_result_t run_one(const fault_bench_t *self, const inject_t *fault,
                               fault_point_t point) {
-    static rig_t rig; // large
+    static rig_t rig;      // large
+    static lasting_t last; // large
     const bool running = point >= FAULT_AT_10;
     const double ts_s = self->plant.period_s;
     fault_result_t result = {.found = LODE_CHECK_NONE, .found_s = NAN, .tried = 1};
-    lasting_t last = {.rotor_s = 0.0};
     inject_t inject = *fault;
     double turned_rad = 0.0;
     double ran_s = 0.0;
     rig_copy(&rig, &self->at[point]);
-    uint_least8_t losses = rig.drive->losses;
+    last = nothing_yet(rig.drive, ts_s);
     if (point <= FAULT_AT_START) {
         command(&rig, self->speed_rad_s[FAULT_AT_50]);
     }
@@ -246,24 +296,18 @@ static fault_result_t run_one(const fault_bench_t *self, const inject_t *fault,
         turned_rad += ts_s * truth.omega_m_rad_s;
         result.back_deg = fmax(result.back_deg, -rig_deg_from_rad(turned_rad));
         if (isnan(result.found_s)) {
-            result.harm |= harm_now(self, &rig, point, &truth, &last);
-            if (rig.drive->losses >
-                losses) { // a start attempt was given up, which telemetry reports
-                result.harm &= FAULT_HARM_DIP;
-                result.given_up++;
-                last = (lasting_t){.rotor_s = 0.0};
-            }
-            losses = rig.drive->losses;
-            if (rig.drive->guard.fault.check != (uint_least8_t)LODE_CHECK_NONE) {
-                result.found = (lode_check_t)rig.drive->guard.fault.check;
-                result.found_s = t_s + ts_s;
-            }
+            watch(self, &rig, point, &truth, &last, &result);
+        }
+        if (isnan(result.found_s) && has_fault(&rig)) {
+            result.found = (lode_check_t)rig.drive->guard.fault.check;
+            result.found_s = t_s + ts_s;
         }
         ran_s = runs(&rig) ? ran_s + ts_s : 0.0;
         if (!running && ran_s > RUN_s) {
             break;
         }
     }
+    result.named = (lode_check_t)rig.drive->guard.fault.check;
     if (isnan(result.found_s) && !runs(&rig)) {
         result.harm |= FAULT_HARM_STUCK;
     }

@@ -33,7 +33,8 @@ typedef struct {
 /// Harms while no fault was found; each held for 10 ms. Every one but the last makes the case silent.
 enum {
     FAULT_HARM_ROTOR = 1,   ///< the estimate is off by more than 60 degrees
-    FAULT_HARM_CURRENT = 2, ///< a phase carries more than 1.2 i_max
+    FAULT_HARM_CURRENT = 2, ///< the current vector is longer than 1.2 i_max; or a phase carries
+                            ///< more than that for 10 ms out of 50 ms, which need not be one piece
     FAULT_HARM_CONTROL = 4, ///< the current is off its reference's direction, or beyond i_max in
                             ///< it, by more than 0.3 i_max
     FAULT_HARM_SPEED =
@@ -47,10 +48,12 @@ enum {
 /// It passes through a pipe, so it holds no pointers.
 typedef struct {
     lode_check_t found; ///< NONE: not found
+    lode_check_t named; ///< at the end of the observation time: `found`, or what replaced it since
     double found_s;     ///< since the fault began; NaN
     double peak_A;      ///< largest true phase current
-    double back_deg;    ///< largest turn against the commanded direction, mechanical
-    int harm;           ///< FAULT_HARM_..., before it was found
+    double over_s;   ///< time of a phase current, or a vector, beyond 1.2 i_max before it was found
+    double back_deg; ///< largest turn against the commanded direction, mechanical
+    int harm;        ///< FAULT_HARM_..., before it was found
     int given_up; ///< start attempts given up right after their hand-over, before the fault was found
     int tried;    ///< number of variants tried; 0: the state is left out
     int silent;   ///< number of variants that were silent

@@ -1,5 +1,6 @@
 """lodestar faults: faults are injected, found or not, and reported; wrong input is refused."""
 import pathlib
+import re
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
@@ -155,6 +156,42 @@ def tells_starts_that_were_given_up(checks, folder):
     checks.true(all(case["given_up"] >= 0 for case in cases.values()), "counted")
     given_up = sum(case["given_up"] > 0 for case in cases.values())
     checks.equal(done.stdout.count(", given up "), given_up, "cells that tell it")
+
+
+def keeps_a_long_current_of_a_start_given_up(checks, folder):
+    """Telemetry tells that a start was given up, but not that the current was beyond 1.2 i_max for seconds before."""
+    blind = [word for key in ("a", "b", "c") for word in ("--set", f"plant.i_gain_error_{key}=-0.25")]
+    blind += ["--set", "guard.plausibility=off", "--set", "start.signal_check=off", "--set", "start.current_A=12"]
+    _, cases = cases_of(folder, "--motors", "jiang2022", "--kinds", "offset-12", *blind)
+    case = cases["offset-12", "standstill"]
+    checks.true(case["given_up"] > 0 and case["found"] == "NONE", f"given up, then it runs: {case}")
+    checks.true(case["silent"] and case["harm"] == "current" and case["over_s"] > 1.0, f"told: {case}")
+
+
+def names_a_shorted_switch(checks, folder):
+    """Over-current comes first; with the gates off the current that flows on shows why."""
+    done, cases = cases_of(folder, "--motors", "jiang2022,servo_48V", "--kinds", "switch-low-shorted,adc-high")
+    for point in ("100 %", "weakening"):
+        case = cases["switch-low-shorted", point]
+        checks.equal((case["found"], case["named"]), ("OVER_CURRENT", "SWITCH_SHORTED"), f"low side at {point}")
+        case = cases["adc-high", point]
+        checks.equal((case["found"], case["named"]), ("OVER_CURRENT", "OVER_CURRENT"), f"a sensor at {point}")
+    checks.true(re.search(r" OVER_CURRENT [0-9.]+ ms, then SWITCH_SHORTED, ", done.stdout), f"the table: {done.stdout}")
+
+
+def counts_current_in_pulses(checks, folder):
+    """A dead switch lets a vector beyond 1.2 i_max pass for a part of each turn only: never for 10 ms in one piece."""
+    done, cases = cases_of(folder, "--motors", "jiang2022", "--kinds", "none,switch-high-dead", "--load", "0.6")
+    case = cases["switch-high-dead", "weakening"]
+    checks.true(case["silent"] and case["harm"] == "current" and 0.01 < case["over_s"] < 0.2, f"pulses: {case}")
+    checks.equal(done.returncode, 1, "exit code")
+    _, cases = cases_of(folder, "--motors", "jiang2022", "--kinds", "none,switch-high-dead")
+    for (kind, point), case in cases.items():
+        checks.true(kind != "none" or case["over_s"] < 0.01, f"in order at {point}: {case}")
+    case = cases["switch-high-dead", "start"]
+    checks.true(case["found"] == "OPEN_PHASE" and case["over_s"] > 0.01, f"before it was found: {case}")
+    # Shown, in the row of the kind.
+    checks.true("A, beyond 1.2 i_max for " in done.stdout, f"the table: {done.stdout}")
 
 
 def takes_another_load(checks, folder):
