@@ -33,32 +33,73 @@ static void check_tuning(const lode_drive_tuning_t *tuning) {
 
 // Into RUN, with an estimate from outside that holds: the start asks for no more. A configuration may want
 // longer for it.
-static void start(lode_drive_t *drive) {
+typedef struct {
+    const lode_drive_tuning_t *tuning;
+    float omega;
+    uint16_t zero;
+    lode_counts_t counts;
+} start_t;
+
+static start_t begin_start(lode_drive_t *drive) {
     const lode_drive_tuning_t *tuning = drive->tuning;
     const float omega = 1.5f * tuning->start.omega_handover;
     const lode_command_t go = {.mode = LODE_MODE_RUN,
                                .speed_rad_s = 2.0f * omega * tuning->speed.inv_pole_pairs};
     const uint16_t zero = (uint16_t)(tuning->sense.offset_nominal / LODE_COUNT_FRACTION);
     const float bus = tuning->guard.v_bus_min / tuning->sense.v_bus_gain + 1.0f;
-    lode_counts_t counts = {.i = {zero, zero, zero},
-                            .v_bus = (uint16_t)(int32_t)lode_clamp(bus, 0.0f, 65535.0f)};
     drive->known = (uint_least8_t)LODE_KNOWN_OFFSETS;
     (void)lode_drive_post_command(drive, &go);
+    return (start_t){.tuning = tuning,
+                     .omega = omega,
+                     .zero = zero,
+                     .counts = {.v_bus = (uint16_t)(int32_t)lode_clamp(bus, 0.0f, 65535.0f)}};
+}
+
+// Some current that changes all the time and adds up to none: sensors without any would be stuck.
+static const lode_counts_t *next_counts(start_t *start, uint32_t n) {
+    const int32_t a = (int32_t)(n * 7u % 31u) - 15;
+    const int32_t b = (int32_t)(n * 13u % 31u) - 15;
+    const int32_t i[3] = {a, b, -a - b};
+    for (int phase = 0; phase < 3; phase++) {
+        start->counts.i[phase] = (uint16_t)(start->zero + i[phase]);
+    }
+    start->counts.stamp += start->tuning->guard.stamp_min + 1u;
+    return &start->counts;
+}
+
+static lode_estimate_t from_outside(const start_t *start, uint32_t n, lode_dq_t i_A) {
+    return (lode_estimate_t){
+        .omega_rad_s = start->omega,
+        .rotor = lode_sincos((float)n * start->tuning->estimator.pll.ts_s * start->omega),
+        .i_A = i_A,
+        .lock = 1.0f,
+        .source = LODE_ESTIMATE_EXTERNAL};
+}
+
+static void start_3(lode_drive_t *drive) {
+    start_t start = begin_start(drive);
     for (uint32_t n = 0; n < START_PERIODS && drive->mode != (uint_least8_t)LODE_MODE_RUN; n++) {
-        counts.stamp += tuning->guard.stamp_min + 1u;
-        const lode_sample_t sample = lode_drive_sense(drive, &counts);
-        lode_estimate_t from = lode_drive_estimate(drive, &sample);
-        from =
-            (lode_estimate_t){.omega_rad_s = omega,
-                              .rotor = lode_sincos((float)n * tuning->estimator.pll.ts_s * omega),
-                              .i_A = from.i_A,
-                              .lock = 1.0f,
-                              .source = LODE_ESTIMATE_EXTERNAL};
+        const lode_sample_t sample = lode_drive_sense(drive, next_counts(&start, n));
+        const lode_estimate_t own = lode_drive_estimate(drive, &sample);
+        const lode_estimate_t from = from_outside(&start, n, own.i_A);
         (void)lode_drive_act(drive, &sample, &from);
     }
 }
 
-static void drive_3(const lode_drive_config_t *config, fuzz_t *in) {
+static void start_6(lode_drive6_t *drive) {
+    start_t start = begin_start(&drive->drive);
+    for (uint32_t n = 0; n < START_PERIODS && drive->drive.mode != (uint_least8_t)LODE_MODE_RUN;
+         n++) {
+        const lode_counts_t *set = next_counts(&start, n);
+        const lode_counts6_t counts = {{*set, *set}};
+        const lode_sample6_t sample = lode_drive6_sense(drive, &counts);
+        const lode_estimate_t own = lode_drive6_estimate(drive, &sample);
+        const lode_estimate_t from = from_outside(&start, n, own.i_A);
+        (void)lode_drive6_act(drive, &sample, &from);
+    }
+}
+
+static void drive_3(const lode_drive_config_t *config, fuzz_t *in, bool starts) {
     lode_drive_t drive;
     lode_drive_tuning_t tuning;
     memset(&drive, 0x55, sizeof drive);
@@ -71,8 +112,8 @@ static void drive_3(const lode_drive_config_t *config, fuzz_t *in) {
         return;
     }
     check_tuning(&tuning);
-    if ((fuzz_byte(in) & 1u) != 0u) {
-        start(&drive);
+    if (starts) {
+        start_3(&drive);
     } else {
         const lode_command_t command = fuzz_command(in);
         (void)lode_drive_post_command(&drive, &command);
@@ -87,7 +128,7 @@ static void drive_3(const lode_drive_config_t *config, fuzz_t *in) {
     }
 }
 
-static void drive_6(const lode_drive6_config_t *config, fuzz_t *in) {
+static void drive_6(const lode_drive6_config_t *config, fuzz_t *in, bool starts) {
     lode_drive6_t drive;
     lode_drive6_tuning_t tuning;
     if (lode_drive6_init(&drive, &tuning, config) != LODE_OK) {
@@ -95,8 +136,12 @@ static void drive_6(const lode_drive6_config_t *config, fuzz_t *in) {
     }
     check_tuning(&tuning.drive);
     check_tuning(&tuning.alone);
-    const lode_command_t command = fuzz_command(in);
-    (void)lode_drive_post_command(&drive.drive, &command);
+    if (starts) {
+        start_6(&drive);
+    } else {
+        const lode_command_t command = fuzz_command(in);
+        (void)lode_drive_post_command(&drive.drive, &command);
+    }
     for (uint32_t n = 0; n < PERIODS; n++) {
         const lode_counts6_t counts = {{fuzz_counts(in), fuzz_counts(in)}};
         const lode_drive6_out_t out = lode_drive6_step(&drive, &counts);
@@ -114,7 +159,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     for (uint8_t n = fuzz_byte(&in) % 8u + 1u; n > 0u; n--) {
         spoil(&in, &config);
     }
-    drive_3(&config.drive, &in);
-    drive_6(&config, &in);
+    const bool starts = (fuzz_byte(&in) & 1u) != 0u;
+    drive_3(&config.drive, &in, starts);
+    drive_6(&config, &in, starts);
     return 0;
 }
