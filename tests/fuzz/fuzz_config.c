@@ -159,8 +159,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     for (uint8_t n = fuzz_byte(&in) % 8u + 1u; n > 0u; n--) {
         spoil(&in, &config);
     }
-    const bool starts = (fuzz_byte(&in) & 1u) != 0u;
-    drive_3(&config.drive, &in, starts);
-    drive_6(&config, &in, starts);
+    const uint8_t starts = fuzz_byte(&in);
+    drive_3(&config.drive, &in, (starts & 1u) != 0u);
+    drive_6(&config, &in, (starts & 2u) != 0u);
     return 0;
 }
