@@ -17,6 +17,7 @@
 
 // A speed counts as reached within this share of it. The mean of a settled speed is much closer.
 #define SPEED_REACHED 0.02
+#define TORQUE_REACHED 0.02
 
 enum { LOG_ROWS = 6000, PERIODS_PER_PROGRESS = 4096 };
 
@@ -626,6 +627,30 @@ static void check_speed(const run_t *run, const rig_phase_t *phase, runner_phase
     }
 }
 
+/// Warns of a commanded torque that is beyond a limit; where a speed is held, another one is right.
+static void check_torque(const run_t *run, runner_phase_t *out) {
+    const double wanted_Nm = (double)run->command.torque_Nm;
+    const double found_Nm = rig_stats_mean(&out->torque_Nm);
+    const bool commanded =
+        run->command.mode == LODE_MODE_RUN && run->command.control == LODE_CONTROL_TORQUE;
+    const uint32_t limited = lode_drive_limited(run->rig.drive) &
+                             ((uint32_t)LODE_LIMITED_TORQUE | (uint32_t)LODE_LIMITED_HELD);
+    lode_telemetry_t now;
+    if (!commanded || limited != (uint32_t)LODE_LIMITED_TORQUE ||
+        fabs(wanted_Nm - found_Nm) <= TORQUE_REACHED * fabs(wanted_Nm)) {
+        return;
+    }
+    rig_tell(&run->rig, &now);
+    const double most_Nm = (double)now.torque_most_Nm;
+    if (fabs(wanted_Nm) > most_Nm) {
+        warn(out, "%g Nm not reached: %.4g Nm at the end; i_max allows %.4g Nm", wanted_Nm,
+             found_Nm, most_Nm);
+    } else {
+        warn(out, "%g Nm not reached: %.4g Nm at the end; voltage, bus or temperature limit it",
+             wanted_Nm, found_Nm);
+    }
+}
+
 /// Beyond its flux map the machine is not known, so the run ends without a result.
 static bool is_in_map(const run_t *run, const plant_truth_t *truth) {
     const plant_map_t *map = run->rig.plant.motor.iron.map;
@@ -727,6 +752,7 @@ static bool run_phase(run_t *run, int index) {
     out->Lq_confidence = run->rig.learns ? (double)run->rig.learn.now.confidence : NAN;
     check_bars(run, phase, out);
     check_speed(run, phase, out);
+    check_torque(run, out);
     run->result->phases = index + 1;
     return good;
 }

@@ -36,7 +36,7 @@ typedef struct {
     double Lq_off_percent, Lq_confidence;
     uint32_t reseeds;
     char missed[200]; ///< missed bars, in words; empty: none
-    /// why the commanded speed was changed or not reached, in words; empty: it was reached
+    /// why the commanded speed or torque was changed or not reached, in words; empty: it was reached
     char warning[200];
     int warnings; ///< number of them in `warning`
     bool refused; ///< the drive has refused the command

@@ -214,6 +214,24 @@ def warnings(checks, folder):
     checks.true("Nothing" not in folder.run("run", "w.ini", "--seeds", "1-1").stdout, "one seed alone")
 
 
+def torque_not_reached(checks, folder):
+    """A torque beyond i_max is said, in either direction; one that is reached, or that gives way to a speed, is not."""
+    folder.run("run", "torque", "--json", "r.json")
+    checks.equal([phase["warning"] for phase in folder.json("r.json")["phases"]], [""] * 7, "torques that are reached")
+    for wanted, most in ((30, 7.668), (-30, 7.668), (8, 7.668), (7.5, None)):
+        done = folder.run("run", "torque", "--set", f"phase.follow.torque_Nm={wanted}", "--json", "r.json")
+        said = {phase["name"]: phase["warning"] for phase in folder.json("r.json")["phases"] if phase["warning"]}
+        checks.equal(set(said), {"follow"} if most else set(), f"{wanted} Nm: {said}")
+        if most:
+            found = re.fullmatch(rf"{wanted} Nm not reached: (\S+) Nm at the end; i_max allows (\S+) Nm", said["follow"])
+            checks.true(found, f"{wanted} Nm: {said}")
+            values = [abs(float(value)) for value in found.groups()] if found else [math.inf]
+            checks.at_most(max(abs(value / most - 1) for value in values), 0.01, f"{wanted} Nm: {said}")
+            checks.true("    warning: " + said["follow"] in done.stdout, f"{wanted} Nm: {done.stdout}")
+    folder.run("run", "torque", "--set", "phase.drive.torque_Nm=30", "--json", "r.json")
+    checks.equal(folder.json("r.json")["phases"][2]["warning"], "", "the speed limit is held")
+
+
 def never_ran(checks, folder):
     """A drive that is told to run and never does has failed, also without a bar and without a fault."""
     begin = f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n"
@@ -462,6 +480,7 @@ def main():
         exit_codes(checks, folder)
         failed_start(checks, folder)
         warnings(checks, folder)
+        torque_not_reached(checks, folder)
         never_ran(checks, folder)
         end_of_voltage(checks, folder)
         mismatch(checks, folder)
