@@ -44,6 +44,7 @@ void design_compute(design_t *design, const rig_config_t *config,
     guide_compute(&design->guide, config);
     design->limits = limits_compute(drive);
     design->injection = injection_of(drive);
+    design->hexagon = hexagon_of((double)drive->current.voltage_use);
     const double np = (double)motor->pole_pairs;
     const double rated = (double)motor->omega_rated_rad_s;
     const double highest = (double)drive->estimator.omega_max_rad_s;

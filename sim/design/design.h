@@ -7,6 +7,7 @@
 #include "config/rig_config.h"
 #include "config/speed_limits.h"
 #include "design/guide.h"
+#include "design/hexagon.h"
 #include "design/injection.h"
 #include "design/limits.h"
 #include "design/verdict.h"
@@ -30,6 +31,7 @@ typedef struct {
     guide_t guide;
     limits_t limits;
     injection_t injection;
+    hexagon_t hexagon;
     plausible_t plausible;
     verdict_t verdict;
     double sigma_accepted_rad_s; ///< largest sigma that the library accepts

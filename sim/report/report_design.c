@@ -127,7 +127,10 @@ static void print_speeds(FILE *file, const rig_config_t *config, const speed_lim
                    round(1.0e3 * id_A) / 1.0e3 + 0.0);
     (void)fputs("\nspeeds, rpm, at the nominal bus voltage\n", file);
     print_speed(file, config, "hand-over", (double)drive->start.omega_handover_rad_s,
-                "from the start to the estimator; slower commands are raised to omega_min_rad_s");
+                drive->hfi.mode == LODE_HFI_ON
+                    ? "from the start to the EMF; slower commands are kept, by signal injection"
+                    : "from the start to the estimator; slower commands are raised to "
+                      "omega_min_rad_s");
     print_speed(file, config, "rated", (double)drive->motor.omega_rated_rad_s, rated);
     print_speed(file, config, "base speed", speeds->base_rad_s, base);
     print_speed(file, config, "no-load limit", speeds->no_load_rad_s,
@@ -191,6 +194,14 @@ static void print_limits(FILE *file, const rig_config_t *config, const design_t 
     }
     (void)fprintf(file, "Lq: each percent of error costs %.2f degrees at i_max (%g A) and id = 0\n",
                   design->angle_per_Lq_percent_deg, (double)config->drive.inverter.i_max_A);
+    if (!isnan(design->hexagon.fundamental)) {
+        (void)fprintf(file,
+                      "over-modulation: voltage_use %g gives at most %.3f v_bus/sqrt(3), with a "
+                      "ripple of %.1f %% six times\n           per turn; the angle error that it "
+                      "makes is not part of the verdict: see `run`\n",
+                      (double)config->drive.current.voltage_use, design->hexagon.fundamental,
+                      100.0 * design->hexagon.ripple);
+    }
     print_signal_check(file, config, design);
 }
 
@@ -253,6 +264,8 @@ void report_design_json(FILE *file, const rig_config_t *config, const design_t *
     (void)cJSON_AddBoolToObject(
         root, "usable_emf",
         lode_start_has_emf(&config->drive.start, &config->drive.inverter, &config->drive.motor));
+    config_json_number(root, "hexagon_fundamental", design->hexagon.fundamental);
+    config_json_number(root, "hexagon_ripple", design->hexagon.ripple);
     config_json_number(root, "signal_check_V", design->signal_check_V);
     config_json_number(root, "signal_check_A", design->signal_check_A);
     config_json_number(root, "angle_per_Lq_percent_deg", design->angle_per_Lq_percent_deg);

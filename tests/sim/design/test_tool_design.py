@@ -645,6 +645,40 @@ def verdict_changes(checks, folder):
     checks.equal([hfi["lowest_rpm"], hfi["step_at_handover"]["bound_by"]], [0, "current"], "with injection any speed")
 
 
+def hexagon(checks, folder):
+    """Over-modulation: the fundamental of a line voltage, worked out here by its cosine; as much more speed in a run."""
+    def of(use):
+        done = folder.run("design", "--motor", MOTOR, "--drive", DRIVE, "--set", f"current.voltage_use={use}")
+        found = json.loads(folder.run("design", "--motor", MOTOR, "--drive", DRIVE, "--set", f"current.voltage_use={use}",
+                                      "--json").stdout)
+        return done.stdout, found["hexagon_fundamental"], found["hexagon_ripple"]
+
+    for use in (0.95, 1.0):
+        text, *values = of(use)
+        checks.equal(("over-modulation: " in text, values), (False, [None, None]), f"within the hexagon, {use}")
+    for use in (1.01, 1.1, 1.1547):
+        sum_V, n = 0.0, 3000
+        for k in range(n):
+            angle = 2 * math.pi * (k + 0.5) / n
+            u = [use / math.sqrt(3) * math.cos(angle - 2 * math.pi * leg / 3) for leg in range(3)]
+            duty = [min(max(0.5 + x - 0.5 * (min(u) + max(u)), 0), 1) for x in u]
+            sum_V += 2 / n * (duty[0] - duty[1]) * math.cos(angle + math.pi / 6)
+        text, fundamental, ripple = of(use)
+        checks.at_most(abs(fundamental / sum_V - 1), 1e-3, f"fundamental at {use}: {fundamental}, {sum_V}")
+        checks.true(1 < fundamental < use and 0 < ripple < 0.1, f"{use}: {fundamental}, {ripple}")
+        checks.true(f"over-modulation: voltage_use {use} gives at most {fundamental:.3f} v_bus/sqrt(3), with a ripple of "
+                    f"{100 * ripple:.1f} % six times" in text, f"the line for {use}")
+
+
+def slow_commands(checks, folder):
+    """What becomes of a command below the hand-over speed: with injection any speed is kept."""
+    text = folder.run("design", "--motor", "pmsyrm_5kW", "--drive", "pmsyrm_5kW").stdout
+    checks.true(re.search(r"^hand-over .* slower commands are kept, by signal injection$", text, re.MULTILINE) and
+                "speeds: 0 .. " in text and "raised to omega_min_rad_s" not in text, f"with injection: {text[-3000:]}")
+    text = folder.run("design", "--motor", MOTOR, "--drive", DRIVE).stdout
+    checks.true(re.search(r"^hand-over .* slower commands are raised to omega_min_rad_s$", text, re.MULTILINE), "without")
+
+
 HUB = """[motor]
 poles = 30
 R_line_line_mOhm = 240
@@ -716,6 +750,8 @@ def main():
         injection(checks, folder)
         signal_check(checks, folder)
         plausible(checks, folder)
+        hexagon(checks, folder)
+        slow_commands(checks, folder)
         verdict_numbers(checks, folder)
         verdict_steps(checks, folder)
         verdict_changes(checks, folder)
