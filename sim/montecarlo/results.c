@@ -290,6 +290,19 @@ static void print_motor(FILE *file, const mc_results_t *self, int k, const char 
     print_causes(file, self, from, from + campaign->cases);
 }
 
+/// Below the table: what the causes of all failures have in common.
+static void print_causes_of_all(FILE *file, const mc_results_t *self, const count_t *all) {
+    if (self->campaign.test == MC_OPEN_PHASE) {
+        print_found(file, self);
+    } else if (all->passed < all->cases) {
+        (void)fprintf(file, "failures whose fault blames sound hardware: %llu of %llu\n",
+                      (unsigned long long)all->other_causes,
+                      (unsigned long long)(all->cases - all->passed));
+    } else {
+        // nothing to blame
+    }
+}
+
 bool mc_results_print(FILE *file, const mc_results_t *self) {
     const mc_campaign_t *campaign = &self->campaign;
     const bool wide = campaign->errors == MC_ERRORS_WIDE;
@@ -317,15 +330,7 @@ bool mc_results_print(FILE *file, const mc_results_t *self) {
                   100.0 * share_of(&all), (unsigned long long)all.silent, all.max_error_deg,
                   pooled ? "" : bar.missed,
                   faulted ? "" : "  BAR MISSED: not every failure ended in a fault");
-    if (campaign->test == MC_OPEN_PHASE) {
-        print_found(file, self);
-    } else if (all.passed < all.cases) {
-        (void)fprintf(file, "failures whose fault blames sound hardware: %llu of %llu\n",
-                      (unsigned long long)all.other_causes,
-                      (unsigned long long)(all.cases - all.passed));
-    } else {
-        // nothing to blame
-    }
+    print_causes_of_all(file, self, &all);
     return (!quiet || print_quiet(file, &all)) && good && pooled && faulted;
 }
 

@@ -42,17 +42,28 @@ static void print_time(FILE *file, double time_s) {
     }
 }
 
+/// What is put in the place of a character of mark-up, or before it; empty: nothing.
+static const char *escape_of(char mark) {
+    static const struct {
+        char mark;
+        const char *text;
+    } escapes[] = {{'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}};
+    for (size_t k = 0; k < sizeof escapes / sizeof escapes[0]; ++k) {
+        if (escapes[k].mark == mark) {
+            return escapes[k].text;
+        }
+    }
+    return strchr("\\`*[]|#~$", mark) != NULL ? "\\" : "";
+}
+
 /// A name as text of Markdown, which is also shown on the screen.
 static void print_name(FILE *file, const char *text) {
     while (*text != '\0') {
         char shown[4];
         const size_t length = utf8_shown(&text, shown);
-        if (*shown == '<' || *shown == '>' || *shown == '&') {
-            (void)fputs(*shown == '<' ? "&lt;" : (*shown == '>' ? "&gt;" : "&amp;"), file);
-        } else {
-            const bool marks = length == 1 && strchr("\\`*[]|#~$", *shown) != NULL;
-            (void)fprintf(file, "%s%.*s", marks ? "\\" : "", (int)length, shown);
-        }
+        const char *escape = length == 1 ? escape_of(*shown) : "";
+        const bool replaced = *escape == '&';
+        (void)fprintf(file, "%s%.*s", escape, replaced ? 0 : (int)length, shown);
     }
 }
 

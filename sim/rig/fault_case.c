@@ -266,15 +266,24 @@ static void watch(const fault_bench_t *self, const rig_t *rig, fault_point_t poi
     last->losses = rig->drive->losses;
 }
 
-static bool has_fault(const rig_t *rig) {
-    return rig->drive->guard.fault.check != (uint_least8_t)LODE_CHECK_NONE;
+static void note_fault(const rig_t *rig, double t_s, fault_result_t *result) {
+    if (rig->drive->guard.fault.check != (uint_least8_t)LODE_CHECK_NONE) {
+        result->found = (lode_check_t)rig->drive->guard.fault.check;
+        result->found_s = t_s;
+    }
+}
+
+/// The observation time. A drive that is not in RUN at its end is being started again.
+static bool is_over(const fault_result_t *result, fault_point_t point, double t_s, double start_s,
+                    bool runs_now, double ran_s) {
+    const bool watched = point >= FAULT_AT_10 ? t_s > RUN_s && runs_now : ran_s > RUN_s;
+    return watched || t_s >= start_s || t_s > result->found_s + AFTER_s;
 }
 
 static fault_result_t run_one(const fault_bench_t *self, const inject_t *fault,
                               fault_point_t point) {
     static rig_t rig;      // large
     static lasting_t last; // large
-    const bool running = point >= FAULT_AT_10;
     const double ts_s = self->plant.period_s;
     fault_result_t result = {.found = LODE_CHECK_NONE, .found_s = NAN, .tried = 1};
     inject_t inject = *fault;
@@ -286,10 +295,7 @@ static fault_result_t run_one(const fault_bench_t *self, const inject_t *fault,
         command(&rig, self->speed_rad_s[FAULT_AT_50]);
     }
     const double start_s = START_s + 2.0 * (double)self->config.drive.start.timeout_s;
-    for (double t_s = 0.0; t_s < start_s && !(t_s > result.found_s + AFTER_s); t_s += ts_s) {
-        if (running && t_s > RUN_s && runs(&rig)) { // otherwise it is being started again
-            break;
-        }
+    for (double t_s = 0.0; !is_over(&result, point, t_s, start_s, runs(&rig), ran_s); t_s += ts_s) {
         plant_truth_t truth;
         inject_step(&inject, &rig, &truth);
         result.peak_A = fmax(result.peak_A, largest_A(&truth));
@@ -297,15 +303,9 @@ static fault_result_t run_one(const fault_bench_t *self, const inject_t *fault,
         result.back_deg = fmax(result.back_deg, -rig_deg_from_rad(turned_rad));
         if (isnan(result.found_s)) {
             watch(self, &rig, point, &truth, &last, &result);
-        }
-        if (isnan(result.found_s) && has_fault(&rig)) {
-            result.found = (lode_check_t)rig.drive->guard.fault.check;
-            result.found_s = t_s + ts_s;
+            note_fault(&rig, t_s + ts_s, &result);
         }
         ran_s = runs(&rig) ? ran_s + ts_s : 0.0;
-        if (!running && ran_s > RUN_s) {
-            break;
-        }
     }
     result.named = (lode_check_t)rig.drive->guard.fault.check;
     if (isnan(result.found_s) && !runs(&rig)) {

@@ -6,34 +6,38 @@
 
 #define PLAIN "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./,-"
 
+/// Appends the next character of `*text` to a word in quotes, and steps over it; returns how many bytes.
+static size_t add_character(char *word, const char **text) {
+    const char *from = *text;
+    if (*from == '\'') {
+        ++*text;
+        (void)memcpy(word, "'\\''", 4);
+        return 4;
+    }
+    const size_t length = utf8_shown(text, word);
+    const bool replaced = length == 1 && *word == ' ' && *from != ' ';
+    *word = replaced ? '?' : *word; // a blank would be another name that may exist
+    return length;
+}
+
 bool shell_word(char *word, size_t size, const char *text) {
     enum { AT_MOST = 4 + 2 }; // a character, the last quote and the end
     const bool plain = text[0] != '\0' && text[strspn(text, PLAIN)] == '\0';
     size_t to = 0;
-    if (!plain && size > 0) {
+    if (size < AT_MOST) {
+        return false;
+    }
+    if (!plain) {
         word[to++] = '\'';
     }
     while (*text != '\0' && to + AT_MOST <= size) {
-        if (*text == '\'') {
-            (void)memcpy(word + to, "'\\''", 4);
-            to += 4;
-            ++text;
-        } else {
-            const size_t length = utf8_shown(&text, word + to);
-            if (length == 1 && word[to] == ' ' && text[-1] != ' ') {
-                word[to] = '?'; // a blank in the place of a control character would be another name
-            }
-            to += length;
-        }
+        to += add_character(word + to, &text);
     }
-    const bool good = *text == '\0' && to + 2 <= size;
-    if (good && !plain) {
+    if (!plain) {
         word[to++] = '\'';
     }
-    if (size > 0) {
-        word[good ? to : 0] = '\0';
-    }
-    return good;
+    word[to] = '\0';
+    return *text == '\0';
 }
 
 bool shell_is_words(const char *text) {
