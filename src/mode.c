@@ -376,14 +376,30 @@ void lode_mode_hand_over(lode_drive_t *self) {
     lode_mode_set(self, LODE_MODE_RUN);
 }
 
+// (S56): the EMF in stator axes, with the flux that the d current of the vector, `id_A`, will leave.
+static lode_ab_t emf_with(const lode_drive_t *self, lode_sincos_t rotor, float id_A) {
+    const float salient_H = lode_references_salient_H(&self->tuning->references);
+    const float more_V = self->estimator.pll.omega_rad_s * salient_H * (id_A - self->i_A.d);
+    const lode_ab_t e_V = self->estimator.emf.observer.e_V;
+    return lode_ab_add_scaled(e_V, more_V, (lode_ab_t){-rotor.sin, rotor.cos});
+}
+
 // (S11): the start current is placed ahead of the rotor by the angle at which it makes the present torque. (In the direction
 // of the present current it might oppose the rotor.)
 LODE_NOINLINE void lode_mode_hand_back(lode_drive_t *self) {
-    const float current_A = self->tuning->start.current_A;
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const float current_A = tuning->start.current_A;
+    const float omega = self->estimator.pll.omega_rad_s;
     const float sine = lode_clamp(self->i_A.q / current_A, -1.0f, 1.0f);
     const lode_sincos_t ahead = {sine, lode_sqrt(1.0f - sine * sine)};
-    const lode_dq_t u_V = in_frame(self->u_V, ahead);
+    const lode_dq_t next_A = {current_A * ahead.cos, current_A * ahead.sin};
+    // (S55): START feeds nothing forward. Its integrators take over what RUN has fed forward, for the vector's current.
+    const lode_dq_t induced_V =
+        lode_references_induced_V(&tuning->references, self->current.Lq_H, next_A, omega);
+    const lode_dq_t held_V = {self->current.d.integral + induced_V.d,
+                              self->current.q.integral + induced_V.q};
     const lode_sincos_t rotor = lode_estimator_rotor(&self->estimator);
+    const lode_ab_t e_V = emf_with(self, rotor, next_A.d);
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
     if (self->state.run.proving == 0u) {
         self->losses = 0u; // otherwise it is still the same start
@@ -391,11 +407,11 @@ LODE_NOINLINE void lode_mode_hand_back(lode_drive_t *self) {
 #endif
     self->guard.lock = 0u;
     self->guard.speed = 0u; // of RUN; (S34) and (S36) count with them
-    lode_start_reset(&self->state.start, lode_angle_add(rotor, ahead),
-                     self->estimator.pll.omega_rad_s, current_A);
+    lode_start_reset(&self->state.start, lode_angle_add(rotor, ahead), omega, current_A);
+    lode_start_settle(&self->state.start, &tuning->start, e_V);
     count_start(self);
     lode_mode_take_q_axis(self);
-    lode_current_reset(&self->current, u_V, (lode_dq_t){0.0f, 0.0f});
+    lode_current_reset(&self->current, in_frame(held_V, ahead), (lode_dq_t){0.0f, 0.0f});
     lode_mode_set(self, LODE_MODE_START);
 }
 

@@ -1,4 +1,5 @@
 #include "estimator_inline.h"
+#include "start_inline.h"
 #include "start_parts.h"
 
 #define CATCH_PARTS 5u // while catching, the lock must hold for catch_rounds over this
@@ -68,6 +69,23 @@ void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, f
                            .omega_target = omega_rad_s,
                            .current_target = current_A};
     enter(self, (uint_least8_t)LODE_START_TURN);
+}
+
+// Gain of the damping with its bounds (S15), (S16), and what it takes for a swing (S19).
+static void set_damping(lode_start_t *self, const lode_start_tuning_t *tuning) {
+    const float most =
+        lode_min(tuning->damping_A / lode_max(self->current_A, FLT_MIN),
+                 tuning->damping_rad_s / lode_max(lode_abs(self->omega_rad_s), FLT_MIN));
+    self->give = lode_min(tuning->damping, most);
+    const float speed = self->omega_rad_s / (LODE_START_HOLD * tuning->omega_ready);
+    self->by_size = lode_clamp(speed, -1.0f, 1.0f) *
+                    lode_max(1.0f - tuning->lost_per_A * self->current_A, BY_SIZE_MIN);
+}
+
+void lode_start_settle(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V) {
+    set_damping(self, tuning);
+    self->mean_V = lode_start_across_V(self, e_V);
+    self->swing_V = 0.0f;
 }
 
 // Stage that follows the measurement, or begins an attempt without one (S47).
@@ -349,13 +367,7 @@ bool lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
     self->omega_step = tuning->omega_step * ramp_share(self, tuning);
     // Removes the rounding error of the rotations since the last call.
     self->at = lode_angle_normalise(self->at);
-    const float most =
-        lode_min(tuning->damping_A / lode_max(self->current_A, FLT_MIN),
-                 tuning->damping_rad_s / lode_max(lode_abs(self->omega_rad_s), FLT_MIN));
-    self->give = lode_min(tuning->damping, most);
-    const float speed = self->omega_rad_s / (LODE_START_HOLD * tuning->omega_ready);
-    self->by_size = lode_clamp(speed, -1.0f, 1.0f) *
-                    lode_max(1.0f - tuning->lost_per_A * self->current_A, BY_SIZE_MIN);
+    set_damping(self, tuning);
     return !aligns(self, tuning) && is_spent(self, tuning);
 }
 

@@ -50,6 +50,17 @@ LODE_INLINE bool lode_start_follows(const lode_start_t *self, const lode_start_t
            lode_abs(omega_rad_s - vector) <= slack;
 }
 
+// What shows a swing: the EMF across the vector shows its speed and angle, the magnitude of the EMF only its speed. The magnitude
+// is weighted in as the vector gets faster (S19).
+LODE_INLINE float lode_start_across_V(const lode_start_t *self, lode_ab_t e_V) {
+    const float by_size = self->by_size;
+    const float across_V = lode_park(e_V, self->at).q;
+    if (lode_abs(by_size) > 0.0f) { // at rest, where plausibility takes longest, no root
+        return (1.0f - lode_abs(by_size)) * across_V + by_size * lode_ab_length(e_V);
+    }
+    return across_V;
+}
+
 // One period from t_k-1 to t_k. `e_V`: estimated EMF at t_k. Returns the vector's rotation per period, rad.
 LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t *tuning,
                                   lode_ab_t e_V, float ts_s) {
@@ -78,13 +89,7 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
                                   rate * tuning->current_step);
     const lode_sincos_t half = lode_sincos_small(0.5f * advance_rad);
     self->at = lode_angle_add(self->at, lode_angle_double(half));
-    // The EMF across the vector shows speed and angle of a swing, its magnitude only the speed. The magnitude is
-    // weighted in as the vector gets faster (S19).
-    const float by_size = self->by_size;
-    float across_V = lode_park(e_V, self->at).q;
-    if (lode_abs(by_size) > 0.0f) { // at rest, where plausibility takes longest, no root
-        across_V = (1.0f - lode_abs(by_size)) * across_V + by_size * lode_ab_length(e_V);
-    }
+    const float across_V = lode_start_across_V(self, e_V);
     self->mean_V += tuning->mean_weight * (across_V - self->mean_V);
     self->swing_V += tuning->swing_weight * (across_V - self->mean_V - self->swing_V);
     return advance_rad;

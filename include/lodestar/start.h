@@ -225,6 +225,10 @@ lode_status_t lode_start_tune(lode_start_tuning_t *tuning, const lode_start_conf
 /// current for a start from standstill, the motor's own current for the way back from sensorless RUN.
 void lode_start_reset(lode_start_t *self, lode_sincos_t at, float omega_rad_s, float current_A);
 
+/// After lode_start_reset() to a speed: the damping begins with the rotor's EMF `e_V`, in stator axes, as the mean that it
+/// removes (S56). With none, all of the EMF would count as a swing.
+void lode_start_settle(lode_start_t *self, const lode_start_tuning_t *tuning, lode_ab_t e_V);
+
 /// Begins a start from rest, with zero current for catch_s first: the voltage that this takes is the EMF of a rotor
 /// that is already turning.
 void lode_start_begin(lode_start_t *self, const lode_start_tuning_t *tuning);
