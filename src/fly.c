@@ -18,6 +18,7 @@
 #define TURN_rad 3.0f        // after this rotation the speed is known to a few per cent ...
 #define TURN_LEAST_rad 0.5f  // ... after this one to some 20 %
 #define SCATTER_MAX_rad 0.5f // rms about the line; noise alone has 1.6 and more
+#define KNOWN_rad 0.035f     // (S57): two degrees
 #define TURN_PERIODS 12u     // periods of TURN, at least
 #define SCATTER_PERIODS 24u  // vectors after which those off the line end TURN
 #define TURN_PART (LODE_SLOW_PERIODS / 2u) // half of catch_rounds, in periods
@@ -244,10 +245,17 @@ static line_t line_of(const lode_fly_t *self) {
     return (line_t){mean + 0.5f * last * slope - self->turned_rad, slope, scatter};
 }
 
+// A single vector may be off by more than a quarter turn. Once the line is sure, the next vector is looked for next to it, so that
+// no turn is lost.
 static void note_vector(lode_fly_t *self, lode_ab_t i_A) {
     const float at_rad = lode_atan2(i_A.beta, i_A.alpha);
+    float next_rad = 0.0f;
+    if (self->sure != 0u) {
+        const line_t line = line_of(self);
+        next_rad = line.more_rad + line.slope_rad;
+    }
     self->periods++;
-    self->turned_rad += lode_wrap(at_rad - self->theta_rad);
+    self->turned_rad += next_rad + lode_wrap(at_rad - self->theta_rad - next_rad);
     self->theta_rad = at_rad;
     self->sum_A += lode_ab_length(i_A);
     self->sum_rad += self->turned_rad;
@@ -266,6 +274,20 @@ static void try_again(lode_fly_t *self, const lode_fly_tuning_t *tuning) {
     if (tries < NOISE_TRIES) {
         enter_grow(self, tuning);
     }
+}
+
+// TURN has had all of its time.
+static bool is_late(const lode_fly_t *self, const lode_fly_given_t *given) {
+    return self->periods * gap_periods(self) >= most_periods(given);
+}
+
+static float omega_of(const lode_fly_t *self, const lode_fly_given_t *given, const line_t *line) {
+    return line->slope_rad / (given->ts_s * (float)(int32_t)gap_periods(self));
+}
+
+// (S57): standard deviation of the line's end. In noise more vectors are needed.
+static bool is_known(const lode_fly_t *self, const line_t *line) {
+    return 4.0f * line->scatter_rad2 <= KNOWN_rad * KNOWN_rad * (float)(int32_t)self->periods;
 }
 
 // Angle and speed are known.
@@ -288,39 +310,42 @@ static bool is_watched(const lode_fly_t *self, const lode_fly_given_t *given) {
         least = LONG_VECTORS;
     }
     const bool turned = lode_abs(self->turned_rad) >= TURN_rad;
-    const bool late = self->periods * gap_periods(self) >= most_periods(given);
     return self->charged >= given->charge && self->periods >= LONG_VECTORS &&
-           (late || (self->periods >= least && turned));
+           (is_late(self, given) || (self->periods >= least && turned));
 }
 
-static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A,
-                 const lode_fly_given_t *given) {
-    note_vector(self, i_A);
-    const bool enough = is_watched(self, given);
+// What TURN has shown.
+static void judge(lode_fly_t *self, const lode_fly_tuning_t *tuning, const lode_fly_given_t *given,
+                  const line_t *line, bool on_line) {
     const bool early = self->periods <= SCATTER_PERIODS;
-    if (!enough && self->periods != SCATTER_PERIODS) {
-        return;
-    }
-    const line_t line = line_of(self);
-    const bool on_line = line.scatter_rad2 <= SCATTER_MAX_rad * SCATTER_MAX_rad;
     const float mean_A = self->sum_A / (float)(int32_t)self->periods;
-    if (!enough && on_line) {
-        return;
-    }
     // (S45): vectors of an offset do not turn. Those of a rotor that comes to rest leave the line.
     const bool turns = lode_abs(self->turned_rad) >= TURN_LEAST_rad && on_line;
-    const float gap_s = given->ts_s * (float)(int32_t)gap_periods(self);
-    const float omega = line.slope_rad / gap_s;
+    const float omega = omega_of(self, given, line);
     const bool fast = lode_abs(omega) >= LEAST_SHARE * given->omega_handover;
-    const bool fits = is_motor(self, tuning, mean_A, omega, given);
     const bool noisy = early && !on_line && mean_A < NOISY * self->noise_A;
-    if (turns && fast && fits) {
-        find(self, given, &line, omega);
+    if (turns && fast && is_motor(self, tuning, mean_A, omega, given)) {
+        self->sure = 1u;
     } else if (noisy || (turns && fast && adds_up(self, omega, given))) {
         try_again(self, tuning);
     } else {
         self->rests = (uint_least8_t)(turns ? 0u : 1u);
         enter(self, (uint_least8_t)LODE_FLY_SLOW);
+    }
+}
+
+static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A,
+                 const lode_fly_given_t *given) {
+    note_vector(self, i_A);
+    const line_t line = line_of(self);
+    const bool enough = is_watched(self, given);
+    const bool on_line = line.scatter_rad2 <= SCATTER_MAX_rad * SCATTER_MAX_rad;
+    const bool off = self->periods == SCATTER_PERIODS && !on_line;
+    if (self->sure == 0u && (enough || off)) {
+        judge(self, tuning, given, &line, on_line);
+    }
+    if (self->sure != 0u && (is_known(self, &line) || is_late(self, given))) {
+        find(self, given, &line, omega_of(self, given, &line));
     }
 }
 

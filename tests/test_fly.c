@@ -214,6 +214,34 @@ static void test_whole_periods_find_a_rotor_in_noise(void) {
     }
 }
 
+/// (S57): vectors that scatter by some 10 degrees are watched for longer than clear ones. Two that are far off, one to either side,
+/// lose no turn.
+static void test_scattered_vectors_are_watched_for_longer(void) {
+    const lode_fly_tuning_t tuning = tuned(&start, 1.0f);
+    const double step_rad = 0.14;
+    for (int scattered = 0; scattered <= 1; scattered++) {
+        lode_fly_t fly = quiet(&tuning);
+        while (fly.stage == (uint_least8_t)LODE_FLY_GROW) {
+            fly_on(&fly, &tuning, (lode_ab_t){1.3f, 0.0f}, 0.0f);
+        }
+        int k = 0;
+        while (fly.stage == (uint_least8_t)LODE_FLY_TURN && k < STEPS_MAX) {
+            k++;
+            double off_rad = scattered * 0.25 * sin(2.4 * k * k);
+            off_rad += scattered * (k == 60 ? 2.5 : (k == 61 ? -1.0 : 0.0));
+            const lode_sincos_t at = lode_sincos((float)(step_rad * k + off_rad));
+            fly_on(&fly, &tuning, (lode_ab_t){0.051f * at.cos, 0.051f * at.sin}, 0.0f);
+        }
+        TEST_ASSERT_EQUAL_INT(LODE_FLY_COAST, fly.stage);
+        CHECK_AT_LEAST(scattered == 0 ? 20.0 : 62.0, k);
+        CHECK_AT_MOST(scattered == 0 ? 23.0 : (double)TURN_PERIODS, k);
+        const double omega = step_rad / (double)PAPER_TS_s;
+        CHECK_CLOSE(scattered == 0 ? 1.0e-3 : 0.02, omega, fly.omega_rad_s);
+        const double theta = step_rad * k + 0.5 * CHECK_PI;
+        CHECK_NEAR(0.1, 0.0, remainder((double)fly.theta_rad - theta, 2.0 * CHECK_PI));
+    }
+}
+
 /// A vector of noise that is taken for the rotor's: the search begins anew, with a larger least current, three times. START looks
 /// for the rotor then, as nothing says that it is at rest.
 static void test_vectors_of_noise_are_tried_again(void) {
@@ -599,6 +627,7 @@ int main(void) {
     RUN_TEST(test_pulses_of_whole_periods);
     RUN_TEST(test_a_fast_rotor_has_no_pulses_of_whole_periods);
     RUN_TEST(test_whole_periods_find_a_rotor_in_noise);
+    RUN_TEST(test_scattered_vectors_are_watched_for_longer);
     RUN_TEST(test_vectors_of_noise_are_tried_again);
     RUN_TEST(test_vectors_that_swing);
     RUN_TEST(test_a_current_that_adds_up_is_tried_again);

@@ -66,6 +66,7 @@ typedef struct {
     uint_least8_t span;  ///< pulses of so many whole periods (S51); 0: pulses within each period
     uint_least8_t cycle; ///< of such a pulse and the pause after it: periods since its beginning
     uint_least8_t tries; ///< searches that ended without a rotor (S45)
+    uint_least8_t sure;  ///< TURN: not 0: it is the rotor, more vectors only tell its angle (S57)
     uint_least8_t rests; ///< SLOW: not 0: the longest pulses have shown no rotation
 } lode_fly_t;
 
