@@ -9,7 +9,9 @@
 #define ALL_TURN 3.0f // (64/32 sqrt(3)/2)^2
 // Below it dead time may hold a phase at zero for as long.
 #define STUCK_SHARE 0.05f // of i_max
-#define ALL_STUCK 4.0f    // squared: the reference moved by 0.1 i_max, no count did
+#define ALL_STUCK 4.0f    // squared: the reference moved by 0.1 i_max from zero, no count did
+// Or by 0.05 i_max at a larger current, whose square changes by twice the product of the two.
+#define ALL_MOVED 2.0f
 // If the current squared changes by more than this share between two checks, that may hold a phase still while the vector
 // turns, but hardly for an eighth of a turn.
 #define STEADY_SHARE 0.5f
@@ -456,6 +458,12 @@ LODE_INLINE uint32_t judged_phases(const lode_plausibility_t *self,
     return enough ? again & flows : 0u;
 }
 
+// Change of the squared reference that no current follows. At a large current a small change of the reference makes a large one
+// of its square, and the EMF of a rotor that swings may hold the current for so long.
+static float moved_most_A2(const lode_plausibility_tuning_t *tuning, float i_A2) {
+    return lode_max(ALL_STUCK * tuning->i_min_A2, ALL_MOVED * lode_sqrt(tuning->i_min_A2 * i_A2));
+}
+
 // At least three checks, as two may lie on either side of a peak.
 uint32_t lode_plausibility_doubt(lode_plausibility_t *self,
                                  const lode_plausibility_tuning_t *tuning, uint32_t again,
@@ -464,7 +472,7 @@ uint32_t lode_plausibility_doubt(lode_plausibility_t *self,
     const uint32_t still = judged_phases(self, tuning, again, i_A2, A_per_count) & self->still;
     const bool changes = (self->still & CHANGING) != 0u || !(change_A2 <= STEADY_SHARE * i_A2);
     const bool all = again == LODE_ALL_PHASES;
-    const bool none_follows = all && self->moved_A2 > ALL_STUCK * tuning->i_min_A2;
+    const bool none_follows = all && self->moved_A2 > moved_most_A2(tuning, i_A2);
     self->moved_A2 = all ? self->moved_A2 + change_A2 : 0.0f;
     self->i_A2 = i_A2;
     const float counted_rad = still == LODE_ALL_PHASES
@@ -479,7 +487,7 @@ uint32_t lode_plausibility_doubt(lode_plausibility_t *self,
 
 void lode_plausibility_add(lode_plausibility_t *self, const lode_plausibility_tuning_t *tuning,
                            float share) {
-    self->moved_A2 += share * ALL_STUCK * tuning->i_min_A2;
+    self->moved_A2 += share * moved_most_A2(tuning, self->i_A2);
 }
 
 // With a channel stuck at zero, its true current would be missing in the sum.

@@ -126,21 +126,31 @@ static void test_lacking_flux_in_volts(void) {
     CHECK_NEAR(0.02, cimag(expected), cimag(moved) * a_over_b);
 }
 
-/// Not while the angle is not known, nor with injection, which may have learned the present Lq.
-static void test_left_alone_without_an_angle_and_with_injection(void) {
+/// True if (E31) is applied. `weight` of injection while it injects; below 0: it does not inject.
+static bool is_lessened(bool aligned, lode_hfi_mode_t mode, float weight) {
     const machine_t machine = {.theta = 0.4, .omega = 300.0, .iq = 6.0};
-    for (int injects = 0; injects <= 1; injects++) {
-        lode_drive_config_t config = saturating();
-        config.references.Lq_fall = 0.03f; // leaves saliency enough
-        config.hfi.mode = injects != 0 ? LODE_HFI_ON : LODE_HFI_OFF;
-        rig_t rig;
-        begin(&rig, &config, &machine);
-        rig.drive.estimator.aligned = injects != 0;
-        const lode_ab_t before = rig.drive.estimator.emf.i_A;
-        lode_drive_lessen_saturated(&rig.drive, (lode_ab_t){1.0f, -6.0f});
-        TEST_ASSERT_EQUAL_FLOAT(before.alpha, rig.drive.estimator.emf.i_A.alpha);
-        TEST_ASSERT_EQUAL_FLOAT(before.beta, rig.drive.estimator.emf.i_A.beta);
-    }
+    lode_drive_config_t config = saturating();
+    config.references.Lq_fall = 0.03f; // leaves saliency enough
+    config.hfi.mode = mode;
+    rig_t rig;
+    begin(&rig, &config, &machine);
+    rig.drive.estimator.aligned = aligned;
+    rig.drive.estimator.by.hfi.active = weight >= 0.0f;
+    rig.drive.estimator.by.hfi.weight = weight;
+    const lode_ab_t before = rig.drive.estimator.emf.i_A;
+    lode_drive_lessen_saturated(&rig.drive, (lode_ab_t){1.0f, -6.0f});
+    const lode_ab_t now = rig.drive.estimator.emf.i_A;
+    return now.alpha != before.alpha && now.beta != before.beta;
+}
+
+/// Not while the angle is not known, nor while injection alone gives it.
+static void test_left_alone_without_an_angle_and_where_only_injection_gives_it(void) {
+    TEST_ASSERT_FALSE(is_lessened(false, LODE_HFI_OFF, -1.0f));
+    TEST_ASSERT_TRUE(is_lessened(true, LODE_HFI_OFF, -1.0f));
+    TEST_ASSERT_FALSE(is_lessened(true, LODE_HFI_ON, 1.0f));
+    TEST_ASSERT_TRUE(is_lessened(true, LODE_HFI_ON, 0.99f));
+    TEST_ASSERT_TRUE(is_lessened(true, LODE_HFI_ON, 0.0f));
+    TEST_ASSERT_TRUE(is_lessened(true, LODE_HFI_ON, -1.0f));
 }
 
 /// (R17) is for as long as (E31) waits for an angle: never both.
@@ -193,7 +203,7 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_current_that_reverses_turns_no_angle);
     RUN_TEST(test_lacking_flux_in_volts);
-    RUN_TEST(test_left_alone_without_an_angle_and_with_injection);
+    RUN_TEST(test_left_alone_without_an_angle_and_where_only_injection_gives_it);
     RUN_TEST(test_angle_is_turned_by_one_of_both);
     RUN_TEST(test_step_takes_it_out);
     return UNITY_END();
