@@ -426,7 +426,7 @@ static lode_status_t tune_plausibility(lode_drive_tuning_t *t, const lode_drive_
         status = lode_plausibility_tune_load(&plausibility, &c->guard,
                                              c->motor.pole_pairs * most_Nm / c->motor.J_kgm2,
                                              c->motor.omega_rated_rad_s, 1.0f / c->f_pwm_Hz);
-        lode_plausibility_tune_voltages(&plausibility, &c->guard,
+        lode_plausibility_tune_voltages(&plausibility, &c->guard, c->inverter.i_max_A,
                                         c->inverter.i_max_A * t->estimator.emf.inv_b,
                                         lode_inverter_taken_V(&c->inverter, 1.0f / c->f_pwm_Hz));
         plausibility.waves = lode_half_waves_tune(c->inverter.i_max_A, control_rad_s(c),

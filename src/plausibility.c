@@ -57,7 +57,7 @@
 // Rounds, counted from 2, in which current control restores the current and the EMF observer settles.
 #define BACK_ROUNDS 5u
 
-#define OFF_SHARE2 0.09f // (K49), squared: 0.3 of i_max
+#define OFF_SHARE 0.3f // (K49), of i_max
 
 // (K38)
 #define JUMP_SHARE 0.05f  // of i_max
@@ -133,7 +133,6 @@ lode_status_t lode_plausibility_tune(lode_plausibility_tuning_t *tuning,
         .per_wave_A =
             on && config->check_half_waves == LODE_ON ? WAVE_SHARE / lode_abs(sense->i_gain) : 0.0f,
         .flux_share = on && flux ? config->flux_share : FLUX_ANY,
-        .off_A2 = on ? OFF_SHARE2 * i_max_A * i_max_A : FLT_MAX,
     };
     return LODE_OK;
 }
@@ -165,12 +164,15 @@ lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
 }
 
 void lode_plausibility_tune_voltages(lode_plausibility_tuning_t *tuning,
-                                     const lode_guard_config_t *config, float i_max_V,
-                                     float taken_V) {
+                                     const lode_guard_config_t *config, float i_max_A,
+                                     float i_max_V, float taken_V) {
+    const bool on = config->plausibility == LODE_ON;
     const float jump_V = JUMP_SHARE * i_max_V;
+    const float taken = taken_V / i_max_V;
+    const float off_A = lode_max(OFF_SHARE, taken) * i_max_A;
     tuning->taken_V = taken_V;
-    const bool on = config->plausibility == LODE_ON && config->check_gain == LODE_ON;
-    tuning->jump_V2 = on ? jump_V * jump_V : FLT_MAX;
+    tuning->jump_V2 = on && config->check_gain == LODE_ON ? jump_V * jump_V : FLT_MAX;
+    tuning->off_A2 = on ? off_A * off_A : FLT_MAX;
 }
 
 // (K29). The step of (K19) is AWAY_SHARE of a free rotor's change of speed by all the torque in a round.

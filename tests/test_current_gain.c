@@ -134,14 +134,18 @@ static void test_a_current_is_gone_once_it_should_have_come_back(void) {
 static void test_how_much_is_looked_at(void) {
     lode_plausibility_tuning_t of;
     lode_guard_config_t config = {.plausibility = LODE_ON, .check_gain = LODE_ON};
-    lode_plausibility_tune_voltages(&of, &config, 400.0f, 5.0f);
+    lode_plausibility_tune_voltages(&of, &config, 12.0f, 400.0f, 5.0f);
     CHECK_CLOSE(1.0e-6, 20.0 * 20.0, of.jump_V2); // 0.05 of i_max
     CHECK_NEAR(0.0, 5.0, of.taken_V);
+    CHECK_CLOSE(1.0e-6, 3.6 * 3.6, of.off_A2); // 0.3 of i_max
+    lode_plausibility_tune_voltages(&of, &config, 12.0f, 10.0f, 5.0f);
+    CHECK_CLOSE(1.0e-6, 6.0 * 6.0, of.off_A2); // 5 V may move it by half of i_max
     config.plausibility = LODE_OFF;
-    lode_plausibility_tune_voltages(&of, &config, 400.0f, 5.0f);
+    lode_plausibility_tune_voltages(&of, &config, 12.0f, 400.0f, 5.0f);
     TEST_ASSERT_TRUE(of.jump_V2 >= FLT_MAX);
+    TEST_ASSERT_TRUE(of.off_A2 >= FLT_MAX);
     config = (lode_guard_config_t){.plausibility = LODE_ON, .check_gain = LODE_OFF};
-    lode_plausibility_tune_voltages(&of, &config, 400.0f, 5.0f);
+    lode_plausibility_tune_voltages(&of, &config, 12.0f, 400.0f, 5.0f);
     TEST_ASSERT_TRUE(of.jump_V2 >= FLT_MAX);
 }
 

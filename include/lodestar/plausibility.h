@@ -206,11 +206,11 @@ lode_status_t lode_plausibility_tune_load(lode_plausibility_tuning_t *tuning,
                                           const lode_guard_config_t *config, float rise_rad_s2,
                                           float omega_rated_rad_s, float ts_s);
 
-/// Sets the limits in volts. `i_max_V`: voltage that would change the current by i_max in one period (K38).
-/// `taken_V`: what dead time and drops may take from a phase.
+/// Sets the limits that depend on voltages. `i_max_V`: voltage that would change the current by `i_max_A` in one period
+/// (K38), (K49). `taken_V`: what dead time and drops may take from a phase.
 void lode_plausibility_tune_voltages(lode_plausibility_tuning_t *tuning,
-                                     const lode_guard_config_t *config, float i_max_V,
-                                     float taken_V);
+                                     const lode_guard_config_t *config, float i_max_A,
+                                     float i_max_V, float taken_V);
 
 /// Once in LODE_SLOW_PERIODS, while all the torque is requested in the direction `sense` (1 or -1): true if a load
 /// has moved the electrical speed `omega_rad_s` against it by more than is allowed (K19), (K29). While less is

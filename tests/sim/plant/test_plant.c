@@ -1838,6 +1838,13 @@ static double best_of_five(plant_level_t level, double iq) {
 
 /// 100 times is the aim and is exceeded on an ordinary machine; the gate leaves room for a slow or
 /// busy one. Without optimisation the figure is only printed.
+// gcc says so by a macro, clang by a feature.
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define __SANITIZE_ADDRESS__ 1
+#endif
+#endif
+
 static void test_speed(void) {
     const double loaded = best_of_five(PLANT_SWITCHING, 8.0);
     printf("  speed: switching %.0f x real time under load, %.0f x without; averaged %.0f x\n",
