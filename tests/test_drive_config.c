@@ -1118,6 +1118,9 @@ static void test_what_init_accepts_may_have_warnings(void) {
     config.hfi.mode = LODE_HFI_OFF; // as chosen
     TEST_ASSERT_EQUAL_UINT32(0u, lode_drive_warnings(&config));
     config = minimal();
+    config.motor.Lq_H = config.motor.Ld_H; // cannot have it, but needs none
+    TEST_ASSERT_EQUAL_UINT32(0u, lode_drive_warnings(&config));
+    config = minimal();
     config.motor.Rs_Ohm = 40.0f;
     TEST_ASSERT_EQUAL_UINT32(LODE_WARNING_EMF, lode_drive_warnings(&config));
 }

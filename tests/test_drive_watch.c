@@ -945,6 +945,7 @@ static void test_a_current_that_is_not_its_references(void) {
         TEST_ASSERT_EQUAL_INT(most, rounds_off(rig, away[n]));
         TEST_ASSERT_EQUAL_INT(0, rounds_off(rig, near[n]));
     }
+    TEST_ASSERT_EQUAL_INT(most, rounds_off(rig, (lode_dq_t){3.0f, 4.0f})); // the other sign of d
     rig_t bad = rig;
     bad.drive.i_A = (lode_dq_t){-0.6f * 17.0f, 0.8f * 17.0f};
     while (lode_drive_holds_current(&bad.drive)) {
