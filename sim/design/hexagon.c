@@ -5,7 +5,8 @@
 
 #include "support/units.h"
 
-enum { STEPS = 360, PHASES = 3 };
+#define STEPS 360
+#define PHASES 3
 
 /// The vector in the frame of the commanded one, which is `use`; both of v_bus/sqrt(3).
 static double complex left_of(double use, double angle_rad) {
