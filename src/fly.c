@@ -337,11 +337,13 @@ static void judge(lode_fly_t *self, const lode_fly_tuning_t *tuning, const lode_
 static void turn(lode_fly_t *self, const lode_fly_tuning_t *tuning, lode_ab_t i_A,
                  const lode_fly_given_t *given) {
     note_vector(self, i_A);
-    const line_t line = line_of(self);
     const bool enough = is_watched(self, given);
+    if (self->sure == 0u && !enough && self->periods != SCATTER_PERIODS) {
+        return;
+    }
+    const line_t line = line_of(self);
     const bool on_line = line.scatter_rad2 <= SCATTER_MAX_rad * SCATTER_MAX_rad;
-    const bool off = self->periods == SCATTER_PERIODS && !on_line;
-    if (self->sure == 0u && (enough || off)) {
+    if (self->sure == 0u && (enough || !on_line)) {
         judge(self, tuning, given, &line, on_line);
     }
     if (self->sure != 0u && (is_known(self, &line) || is_late(self, given))) {
