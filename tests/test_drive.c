@@ -499,6 +499,23 @@ static void test_the_same_observer_with_other_parameters_goes_on_with_the_rotor(
     }
 }
 
+/// A filtered speed that the old tuning has kept up to date goes on, and is not that of the PLL with its noise.
+static void test_a_filtered_speed_outlives_its_tuning(void) {
+    lode_drive_config_t config = rig_config();
+    for (int filtered = 0; filtered <= 1; filtered++) {
+        config.estimator.w_filter_rad_s = filtered != 0 ? 50.0f : 0.0f;
+        rig_t rig;
+        rig_init(&rig, &tuning, &config);
+        run_up(&rig, 157.0, 8.0);
+        rig.drive.estimator.omega_tune = 600.0f;
+        config.estimator.w_filter_rad_s = 50.0f;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+        lode_estimator_retune(&rig.drive.estimator, &tuning.estimator, &other_tuning.estimator);
+        const float expected = filtered != 0 ? 600.0f : rig.drive.estimator.pll.omega_rad_s;
+        TEST_ASSERT_EQUAL_FLOAT(expected, rig.drive.estimator.omega_tune);
+    }
+}
+
 /// What the start has measured beyond the configured resistance and dead time is less beyond larger ones.
 static void test_what_was_measured_counts_from_the_new_tuning(void) {
     rig_t rig = running(90.0, 8.0);
@@ -1243,6 +1260,7 @@ int main(void) {
     RUN_TEST(test_a_new_tuning_is_taken_at_a_period);
     RUN_TEST(test_another_observer_goes_on_with_the_rotor);
     RUN_TEST(test_the_same_observer_with_other_parameters_goes_on_with_the_rotor);
+    RUN_TEST(test_a_filtered_speed_outlives_its_tuning);
     RUN_TEST(test_what_was_measured_counts_from_the_new_tuning);
     RUN_TEST(test_a_command_beyond_a_new_limit_is_bounded);
     RUN_TEST(test_a_rotor_beyond_a_new_limit);

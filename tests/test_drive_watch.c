@@ -983,6 +983,20 @@ static void test_what_current_control_may_do(void) {
     TEST_ASSERT_EQUAL_INT(0, rounds_off(rig, (lode_dq_t){100.0f, 0.0f}));
 }
 
+/// The drive itself: with a limit below the ripple of its currents it trips in its slot.
+static void test_a_lost_current_switches_the_drive_off(void) {
+    rig_t rig = running(100.0, 8.0);
+    rig.load_Nm = 2.0;
+    rig_run(&rig, 1.0);
+    other_tuning = tuning;
+    other_tuning.plausibility.off_A2 = 0.0f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
+    rig_run(&rig, 0.3);
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_CURRENT_CONTROL",
+                             lode_check_name(rig_telemetry(&rig).fault.check));
+    TEST_ASSERT_TRUE(is_idle(rig.out));
+}
+
 static void test_a_suspected_phase_gives_it_its_name(void) {
     rig_t rig = with_reference((lode_dq_t){0.0f, 8.0f});
     rig.drive.state.run.waves.lacks[0] = 4096u; // a quarter of what it takes alone
@@ -1415,6 +1429,7 @@ int main(void) {
     RUN_TEST(test_less_than_all_torque_may_slip);
     RUN_TEST(test_a_current_that_is_not_its_references);
     RUN_TEST(test_what_current_control_may_do);
+    RUN_TEST(test_a_lost_current_switches_the_drive_off);
     RUN_TEST(test_a_suspected_phase_gives_it_its_name);
     RUN_TEST(test_a_rotor_that_does_not_move_is_stalled);
     RUN_TEST(test_what_may_be_else_than_the_load);
