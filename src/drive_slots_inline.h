@@ -85,7 +85,7 @@ LODE_INLINE bool lode_drive_holds_current(lode_drive_t *self) {
     const float d_A = self->ref_A.d - self->i_A.d;
     const float q_A = self->ref_A.q - self->i_A.q;
     const bool near = d_A * d_A + q_A * q_A <= self->tuning->plausibility.off_A2;
-    if (LODE_USUALLY(near && self->state.run.off == 0u)) {
+    if (near && self->state.run.off == 0u) {
         return true;
     }
     return lode_drive_watch_control(self);
