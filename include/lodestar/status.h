@@ -45,7 +45,7 @@ typedef enum {
     LODE_ERROR_PLL_SIGMA,         ///< sigma outside 1 .. 0.3/Ts, or sigma_low above sigma
     LODE_ERROR_PLL_OBSERVER, ///< sigma above what the EMF observer allows; C-LESO, GI-LESO: w0/5
     LODE_ERROR_NOTCH,        ///< width of a notch neither 0 nor 0.01 .. 2, or not built in
-    /// k2 below 0.549 sigma (multi-mode 1.2): FA observer and PLL are unstable together
+    /// k2 below 0.549 sigma (multi-mode 0.6): FA observer and PLL are unstable together
     LODE_ERROR_EMF_PLL,
     LODE_ERROR_W_FILTER,     ///< w_filter_rad_s outside 0 .. 1/Ts
     LODE_ERROR_PLL_SCHEDULE, ///< omega_low_rad_s not below omega_high_rad_s
