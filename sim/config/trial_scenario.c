@@ -11,6 +11,8 @@
     1.0 // for the speed to settle after its ramp, and for the evaluation window; at least
 // The same in time constants of speed control, whose double pole lies at half its bandwidth, and the window.
 #define SETTLE_CONSTANTS 12.0
+// After a load step at full speed: the slow pole lies at a quarter of the bandwidth or above (K8); six time constants.
+#define LOADED_CONSTANTS 24.0
 #define WINDOW_s 0.4
 #define BASE_SHARE 0.9 // of the base speed: room for a load step
 #define LOAD_SHARE 0.5 // of the torque at i_max
@@ -44,10 +46,10 @@ static double most_Nm(const lode_drive_config_t *drive) {
     return (double)lode_motor_kt_Nm_A(&drive->motor) * (double)drive->inverter.i_max_A;
 }
 
-/// After a load step, until the speed is back.
-static double settle_s(const lode_drive_config_t *drive) {
+/// Until the speed has settled; `constants`: that time by the bandwidth of speed control.
+static double settle_s(const lode_drive_config_t *drive, double constants) {
     const double bandwidth = (double)drive->speed.kp_Nms / (double)drive->motor.J_kgm2;
-    return fmax(SETTLE_s, SETTLE_CONSTANTS / bandwidth + WINDOW_s);
+    return fmax(SETTLE_s, constants / bandwidth + WINDOW_s);
 }
 
 /// From the vector's full speed to rest, or the other way.
@@ -58,7 +60,7 @@ static double turning_s(const lode_drive_config_t *drive) {
 
 static void add_start(rig_config_t *config, double speed_rpm) {
     const lode_drive_config_t *drive = &config->drive;
-    const double settle = settle_s(drive);
+    const double settle = settle_s(drive, SETTLE_CONSTANTS);
     add(config, "start", settle + START_SHARE_s * (double)drive->start.timeout_s, speed_rpm, 0.0);
     config->scenario.phase[0].settled_s = settle;
     config->scenario.phase[0].about_s = settle + BEFORE_RAMP_s + turning_s(drive);
@@ -83,7 +85,7 @@ bool trial_scenario(rig_config_t *config) {
     const double followed_Nm = STEP_SHARE * sigma * sigma * (double)drive->motor.J_kgm2 / np;
     const double load_Nm = fmin(fmin(LOAD_SHARE * most_Nm(drive), followed_Nm),
                                 step_Nm(drive, np * rig_rad_s_from_rpm(full)));
-    const double settle = settle_s(drive);
+    const double settle = settle_s(drive, SETTLE_CONSTANTS);
     const double rise_s = settle + RAMP_RESERVE * full / ramp_rpm_s;
     add_start(config, slow);
     if (slow < 0.5 * full) {
@@ -92,8 +94,9 @@ bool trial_scenario(rig_config_t *config) {
     add(config, "full_speed", rise_s, full, 0.0);
     config->scenario.phase[config->scenario.phases - 1].commanded_rpm =
         commanded > most ? commanded : 0.0;
-    add(config, "load", settle, full, load_Nm);
-    add(config, "no_load", settle, full, 0.0);
+    const double loaded_s = settle_s(drive, LOADED_CONSTANTS);
+    add(config, "load", loaded_s, full, load_Nm);
+    add(config, "no_load", loaded_s, full, 0.0);
     add(config, "stop", rise_s + turning_s(drive), 0.0, 0.0);
     return true;
 }

@@ -156,6 +156,10 @@ static void print_verdict(FILE *file, const runner_result_t *result) {
         (void)fprintf(file, "\nFAULT at %.4f s in %s: %s%s\n", result->fault_s,
                       report_mode_name((lode_mode_t)result->fault.state), what,
                       result->fault_expected ? " (as the scenario expects)" : "");
+        const char *hint = fault_text_hint(&result->fault);
+        if (hint != NULL && !result->fault_expected) {
+            (void)fprintf(file, "look at: %s\n", hint);
+        }
         if (result->retries > 0) {
             (void)fprintf(file, "start attempts that had failed before: %d\n", result->retries);
         }

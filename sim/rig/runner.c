@@ -566,7 +566,24 @@ static void warn(runner_phase_t *out, const char *format, ...) {
     out->warnings++;
 }
 
-/// Reason why a speed is out of reach, if the configuration shows it.
+/// Reason why the drive is not in RUN yet.
+static void tell_start(const run_t *run, lode_mode_t mode, char *text, size_t size) {
+    const int failed = (int)lode_drive_retries(run->rig.drive);
+    const char *name = lode_mode_name(mode) + strlen("LODE_MODE_");
+    if (failed > 0) {
+        (void)snprintf(text, size, ", in %s, attempt %d; the last one failed by %s", name,
+                       failed + 1, fault_text_criterion(&run->rig.drive->guard.fault));
+    } else {
+        (void)snprintf(text, size, ", in %s", name);
+    }
+}
+
+/// Decimals of a speed in a warning.
+static int decimals(double rpm) {
+    return fabs(rpm) < 100.0 ? 1 : 0;
+}
+
+/// Reason why RUN has not reached a speed, if the run or the configuration shows it.
 static const char *why_not(const run_t *run, double omega_rad_s) {
     const speed_limits_t *limits = &run->limits;
     const double share = run->v_bus_V / (double)run->config->drive.inverter.v_bus_V;
@@ -575,10 +592,15 @@ static const char *why_not(const run_t *run, double omega_rad_s) {
     if (omega_rad_s > voltage_rad_s) {
         return ", above what the bus voltage allows without load";
     }
-    if (omega_rad_s > share * limits->base_rad_s) {
-        return ", above the base speed: the voltage limits the torque";
+    if (fabs(run->rotor_rpm - run->speed_goal_rpm) <= SPEED_REACHED * fabs(run->speed_goal_rpm)) {
+        return ", reached only at the very end";
     }
-    return "";
+    if ((lode_drive_limited(run->rig.drive) & (uint32_t)LODE_LIMITED_TORQUE) == 0u) {
+        return "";
+    }
+    return omega_rad_s > share * limits->base_rad_s
+               ? ", above the base speed: the voltage limits the torque"
+               : ", with all the torque that the drive may make";
 }
 
 /// Warns of a stop that is not over.
@@ -586,7 +608,8 @@ static void check_stop(const run_t *run, runner_phase_t *out) {
     const bool stops = run->command.mode == LODE_MODE_RUN && run->speed_goal_rpm == 0.0 &&
                        out->mode == LODE_MODE_START;
     if (stops && !run->held) {
-        warn(out, "0 rpm not reached: %.4g rpm at the end, in START", run->rotor_rpm);
+        warn(out, "0 rpm not reached: %.*f rpm at the end, in START", decimals(run->rotor_rpm),
+             run->rotor_rpm);
     }
 }
 
@@ -604,26 +627,34 @@ static void check_speed(const run_t *run, const rig_phase_t *phase, runner_phase
     }
     const double most_rpm = rig_rpm_from_rad_s(run->limits.estimator_rad_s) / np;
     if (phase->commanded_rpm > 0.0) {
-        warn(out, "%.4g rpm is above %g of the estimator's limit of %.4g rpm, lowered to %.4g rpm",
-             phase->commanded_rpm, TRIAL_ESTIMATOR_SHARE, most_rpm, phase->speed_rpm);
+        warn(out, "%.*f rpm is above %g of the estimator's limit of %.*f rpm, lowered to %.*f rpm",
+             decimals(phase->commanded_rpm), phase->commanded_rpm, TRIAL_ESTIMATOR_SHARE,
+             decimals(most_rpm), most_rpm, decimals(phase->speed_rpm), phase->speed_rpm);
     }
     const double trip_rad_s = (double)run->config->drive.guard.omega_max_rad_s;
     if (omega > fmin(trip_rad_s, run->limits.estimator_rad_s)) {
         const bool by_guard = trip_rad_s < run->limits.estimator_rad_s;
         out->refused = true;
-        warn(out, "the drive refuses %g rpm and keeps the previous command: %s %.4g rpm", goal_rpm,
-             by_guard ? "OVER_SPEED trips at" : "the estimator's limit is",
-             by_guard ? rig_rpm_from_rad_s(trip_rad_s) / np : most_rpm);
+        const double limit_rpm = by_guard ? rig_rpm_from_rad_s(trip_rad_s) / np : most_rpm;
+        warn(out, "the drive refuses %g rpm and keeps the previous command: %s %.*f rpm", goal_rpm,
+             by_guard ? "OVER_SPEED trips at" : "the estimator's limit is", decimals(limit_rpm),
+             limit_rpm);
         return;
     }
     const double least_rpm = rig_rpm_from_rad_s(run->limits.least_rad_s) / np;
     const double found_rpm = rig_stats_mean(&out->speed_rpm);
     if (fabs(goal_rpm) < least_rpm && run->config->source != RIG_SOURCE_ENCODER) {
-        warn(out, "%g rpm is below the least speed and was raised to %.4g rpm", goal_rpm,
-             copysign(least_rpm, goal_rpm));
+        warn(out, "%g rpm is below the least speed and was raised to %.*f rpm", goal_rpm,
+             decimals(least_rpm), copysign(least_rpm, goal_rpm));
     } else if (!(fabs(found_rpm - goal_rpm) <= SPEED_REACHED * fabs(goal_rpm))) {
-        warn(out, "%g rpm not reached: %.4g rpm at the end%s", goal_rpm, found_rpm,
-             why_not(run, omega));
+        char why[100] = "";
+        if (out->mode == LODE_MODE_RUN) {
+            (void)snprintf(why, sizeof why, "%s", why_not(run, omega));
+        } else {
+            tell_start(run, out->mode, why, sizeof why);
+        }
+        warn(out, "%g rpm not reached: %.*f rpm at the end%s", goal_rpm, decimals(found_rpm),
+             found_rpm, why);
     }
 }
 

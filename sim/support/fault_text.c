@@ -20,6 +20,7 @@ static const char *unit_of(lode_criterion_t criterion) {
     case LODE_CRITERION_FLUX:
     case LODE_CRITERION_LOCK:
     case LODE_CRITERION_PROOF:
+    case LODE_CRITERION_OPEN_PHASE:
     case LODE_CRITERION_POLARITY:
     case LODE_CRITERION_COUNT:
     default:
@@ -90,4 +91,63 @@ void fault_text(const lode_fault_t *fault, char *text, size_t size) {
                    unit_of_check((lode_check_t)fault->check), (double)fault->measured,
                    (double)fault->limit, start[0] != '\0' ? " (" : "", start,
                    start[0] != '\0' ? ")" : "");
+}
+
+static const char *start_hint(lode_criterion_t criterion) {
+    switch (criterion) {
+    case LODE_CRITERION_REST:
+    case LODE_CRITERION_EMF:
+        return "the rotor has not followed: start.current_A and the load, start.ramp_rad_s2 and "
+               "the "
+               "inertia";
+    case LODE_CRITERION_SPEED:
+    case LODE_CRITERION_FLUX:
+    case LODE_CRITERION_LOCK:
+    case LODE_CRITERION_HOLD:
+        return "the EMF does not fit the motor: psi_Wb, L, dead time and drops, or a load that "
+               "swings";
+    case LODE_CRITERION_PROOF:
+    case LODE_CRITERION_OPEN_PHASE:
+        return "lost after the hand-over: J_kgm2, L and psi_Wb; a load step sooner than `design` "
+               "allows";
+    case LODE_CRITERION_NONE:
+    case LODE_CRITERION_CURRENT:
+    case LODE_CRITERION_RAMP:
+    case LODE_CRITERION_POLARITY:
+    case LODE_CRITERION_COUNT:
+    default:
+        return "time: start.timeout_s and start.ramp_rad_s2";
+    }
+}
+
+const char *fault_text_hint(const lode_fault_t *fault) {
+    static const struct {
+        lode_check_t check;
+        const char *hint;
+    } hints[] = {
+        {LODE_CHECK_OVER_CURRENT,
+         "L and R (phase values, of the star?), guard.i_trip_A and the ripple"},
+        {LODE_CHECK_OVER_VOLTAGE,
+         "braking raises the bus: references.v_regen_V, speed.ramp_down_rad_s2, a brake chopper"},
+        {LODE_CHECK_UNDER_VOLTAGE, "the supply sags: references.v_motor_V"},
+        {LODE_CHECK_OVER_SPEED, "guard.omega_max_rad_s; an overshoot: J_kgm2"},
+        {LODE_CHECK_LOST_LOCK,
+         "psi_Wb, L and J_kgm2; a load step beyond the largest one that `design` prints"},
+        {LODE_CHECK_OVERLOAD,
+         "more load than torque: i_max_A, and the largest load step that `design` prints"},
+        {LODE_CHECK_WRONG_WAY, "the load turns the rotor against the command"},
+        {LODE_CHECK_OPEN_PHASE, "motor leads and drivers; a rotor far lighter than J_kgm2"},
+        {LODE_CHECK_FLUX, "psi_Wb; hot or demagnetised magnets"},
+        {LODE_CHECK_RESISTANCE, "Rs_Ohm, of one phase of the star; r_on_Ohm"},
+        {LODE_CHECK_INDUCTANCE, "Ld_H and Lq_H, of one phase of the star"},
+    };
+    if (fault->check == (uint_least8_t)LODE_CHECK_START) {
+        return start_hint((lode_criterion_t)fault->criterion);
+    }
+    for (size_t k = 0; k < sizeof hints / sizeof hints[0]; ++k) {
+        if ((uint_least8_t)hints[k].check == fault->check) {
+            return hints[k].hint;
+        }
+    }
+    return NULL;
 }

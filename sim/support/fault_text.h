@@ -16,4 +16,7 @@ const char *fault_text_stage(const lode_fault_t *fault);
 /// stage TURN)"; for a failed attempt, which is not a fault, "EMF in V, stage TURN, measured 0.7, limit 3.2".
 void fault_text(const lode_fault_t *fault, char *text, size_t size);
 
+/// What a user may have to look at or to change; NULL: the check says it.
+const char *fault_text_hint(const lode_fault_t *fault);
+
 #endif

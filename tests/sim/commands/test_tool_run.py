@@ -119,6 +119,7 @@ def exit_codes(checks, folder):
     checks.equal((fault["state"], fault["check"]), ("RUN", "LODE_CHECK_HARDWARE_TRIP"), "the fault")
     checks.at_most(abs(fault["t_s"] - 2.0), 1e-3, "time of the fault, off 2 s")
     checks.true("FAULT at 2.0000 s in RUN: LODE_CHECK_HARDWARE_TRIP" in done.stdout, "and in words")
+    checks.true("look at" not in done.stdout, "a check that says it")
     checks.equal(len(folder.json("j.json")["phases"]), 2, "phases up to the fault")
 
 
@@ -138,6 +139,7 @@ def failed_start(checks, folder):
     for words in (r"attempt 1 failed: EMF in V, stage TURN, measured \S+, limit \S+\n",
                   r"attempt 2 failed: EMF in V, stage TURN,",
                   r"FAULT at \S+ s in START: LODE_CHECK_START, measured \S+, limit \S+ \(EMF in V, stage TURN\)\n",
+                  r"look at: the rotor has not followed: start\.current_A and the load, .*\n",
                   r"start attempts that had failed before: 2\n"):
         checks.true(re.search(words, done.stdout), f"{words}: {done.stdout}")
     done = folder.run("decode", "jam.bin", "--csv", "jam.csv")
@@ -157,6 +159,29 @@ def failed_start(checks, folder):
     done = folder.run("run", "main", "--set", "plant.Ld_H=12e-3", "--set", "plant.Lq_H=25e-3")
     checks.true(re.search(r"FAULT at \S+ s in PRECHARGE: LODE_CHECK_INDUCTANCE in H, measured 0\.\d+, limit 0\.\d+\n",
                           done.stdout), f"the inductance of another motor: {done.stdout}")
+    checks.true("\nlook at: Ld_H and Lq_H, of one phase of the star\n" in done.stdout, "and what to look at")
+
+
+def reasons(checks, folder):
+    """A speed that is not reached is said with the reason that the run shows: a start that goes on, or the torque."""
+    folder.write("r.ini", f"[scenario]\nmotor = {MOTOR}\ndrive = {DRIVE}\n"
+                          "[phase.early]\nduration_s = 0.6\nspeed_rpm = 1500\n"
+                          "[phase.up]\nduration_s = 3\n"
+                          "[phase.heavy]\nduration_s = 1\nspeed_rpm = 1650\nload_Nm = 7.6\n")
+
+    def said(*options):
+        folder.run("run", "r.ini", "--set", "plant.load_kind=passive", "--json", "r.json", *options)
+        return {phase["name"]: phase["warning"] for phase in folder.json("r.json")["phases"]}
+
+    sound = said()
+    for name, pattern in [("early", r"1500 rpm not reached: \d+(\.\d)? rpm at the end, in START"), ("up", ""),
+                          ("heavy", r"1650 rpm not reached: 1\d{3} rpm at the end, with all the torque that the drive may make")]:
+        checks.true(re.fullmatch(pattern, sound[name]), f"{name}: {sound[name]}")
+    jammed = said("--set", "plant.stiction_Nm=1e4", "--set", "phase.early.duration_s=3")["early"]
+    checks.true(re.fullmatch(r"1500 rpm not reached: -?\d\.\d rpm at the end, in START, attempt [23]; the last one failed by EMF", jammed),
+                f"a further attempt: {jammed}")
+    fast = said("--set", "phase.heavy.load_Nm=6", "--set", "phase.heavy.speed_rpm=2200")["heavy"]
+    checks.true(fast.endswith(", above the base speed: the voltage limits the torque"), f"at the end of the voltage: {fast}")
 
 
 def warnings(checks, folder):
@@ -479,6 +504,7 @@ def main():
         reversal_by_hall_switches(checks, folder)
         exit_codes(checks, folder)
         failed_start(checks, folder)
+        reasons(checks, folder)
         warnings(checks, folder)
         torque_not_reached(checks, folder)
         never_ran(checks, folder)

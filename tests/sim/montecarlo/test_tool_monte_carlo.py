@@ -97,6 +97,8 @@ def bars(checks, folder):
     checks.equal(bad.returncode, 1, "a motor that has no time to start")
     for words in ("START in START, start", "BAR MISSED: 97 %", "BAR MISSED: 99 %", "--set 'start.timeout_s=0.2'"):
         checks.true(words in bad.stdout, f"'{words}' in {bad.stdout}")
+    heavy = folder.run("monte-carlo", "start", "--motors", "jiang2022", "--n", 2, "--errors", "narrow", "--set", "plant.J_factor=1000")
+    checks.true(heavy.returncode == 1 and " 2  START in START" in heavy.stdout, f"a factor on the inertia: {heavy.stdout}")
     unfit = folder.run("monte-carlo", "start", "--motors", "jiang2022", "--n", 1, "--set", "start.damping=3")
     checks.true("LODE_ERROR_START_DAMPING, init" in unfit.stdout, f"a drive that init refuses: {unfit.stdout}")
 
