@@ -43,7 +43,7 @@ typedef struct {
     uint16_t i[3];        ///< phase currents a, b, c
     uint16_t v_bus;       ///< bus voltage
     uint16_t temperature; ///< power stage
-    bool trip;            ///< true: the hardware has switched the gates off
+    bool trip;            ///< true: the hardware has switched the gates off; not looked at in OFF
     uint32_t stamp; ///< free-running counter of any rate; monitored by the guard if configured
 } lode_counts_t;
 

@@ -84,7 +84,7 @@ typedef enum {
     LODE_ERROR_GUARD_TEMPERATURE, ///< temperature limits out of range or not in order, or the temperature without a sensor is not between them
     LODE_ERROR_GUARD_SPEED, ///< over-speed limit outside 1 .. 1e6, or below hand-over or least speed
     LODE_ERROR_GUARD_TIME, ///< a time of the guard, or stamp_per_period, out of range; or temperature_still_s without a sensor
-    LODE_ERROR_GUARD_FLUX,   ///< flux_share outside 0.1 .. 1
+    LODE_ERROR_GUARD_FLUX,   ///< flux_share neither 0.1 .. 1 nor LODE_NONE
     LODE_ERROR_HFI_MODE,     ///< hfi.mode not an enumerator, or not built in
     LODE_ERROR_HFI_SALIENCY, ///< Lq'(i_max)/Ld below 1.15: injection would lose the d axis
     LODE_ERROR_HFI_VOLTAGE, ///< V_h_V outside 0 .. half the voltage circle, or noise_A not 0 .. i_max_A
