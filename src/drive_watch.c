@@ -409,7 +409,14 @@ static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
         .kp_V_A = lode_min(self->tuning->current.d.kp, self->current.kp_q_V_A),
         .turn_rad = rounds_s(self, 1u) * estimator->pll.omega_rad_s,
     };
-    return phases_ok(self, lode_half_waves_check(waves, &self->tuning->plausibility.waves, &seen));
+    const lode_open_phase_t open =
+        lode_half_waves_check(waves, &self->tuning->plausibility.waves, &seen);
+#ifndef LODE_WITHOUT_HANDOVER_RETRY
+    if (open > 0u && lode_mode_try_again(self, LODE_CRITERION_OPEN_PHASE, (float)open, 0.0f)) {
+        return false;
+    }
+#endif
+    return phases_ok(self, open);
 }
 
 // The control error takes the place of the xy plane's current of six phases (K25).
@@ -420,9 +427,11 @@ LODE_NOINLINE bool lode_drive_watch_half_waves(lode_drive_t *self) {
     lode_half_waves_t *waves = &self->state.run.waves;
     const bool doubts = lode_plausibility_has_waves(tuning) &&
                         lode_half_waves_doubt(waves, &tuning->waves, ref_A, error_A);
-    const bool good = doubts ? judge_half_waves(self) : true;
+    if (doubts && !judge_half_waves(self)) {
+        return false; // state.run may be gone
+    }
     waves->ref_A = ref_A;
-    return good;
+    return true;
 }
 
 // Squared distance of the current from what its reference allows: its direction, up to i_max (K49).

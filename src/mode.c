@@ -65,20 +65,28 @@ void lode_mode_reset_guard(lode_drive_t *self) {
 
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
 
-LODE_NOINLINE void lode_mode_prove_start(lode_drive_t *self) {
+LODE_NOINLINE bool lode_mode_try_again(lode_drive_t *self, lode_criterion_t criterion,
+                                       float measured, float limit) {
     const uint_least8_t losses = self->losses;
     // Another attempt would have the same sensor. The coarse speed of Hall switches may contradict the EMF for a moment only.
     const bool same = lode_mode_is_sensored(self) && !self->edges;
-    if (lode_mode(self) == LODE_MODE_RUN && self->state.run.proving > 0u && !same &&
-        lode_guard_found_nothing_else(&self->guard) && lode_mode_loses_lock(self) &&
-        losses < LODE_START_LOSSES_MAX) {
-        lode_guard_withdraw(&self->guard);
-        self->guard.fault = (lode_fault_t){.state = self->mode,
-                                           .criterion = (uint_least8_t)LODE_CRITERION_PROOF,
-                                           .measured = self->estimator.lock,
-                                           .limit = LODE_LOCK_LOST};
-        lode_mode_switch_off(self); // the command is still RUN: lasts for one period
-        self->losses = (uint_least8_t)(losses + 1u);
+    if (lode_mode(self) != LODE_MODE_RUN || self->state.run.proving == 0u || same ||
+        losses >= LODE_START_LOSSES_MAX) {
+        return false;
+    }
+    lode_guard_withdraw(&self->guard);
+    self->guard.fault = (lode_fault_t){.state = self->mode,
+                                       .criterion = (uint_least8_t)criterion,
+                                       .measured = measured,
+                                       .limit = limit};
+    lode_mode_switch_off(self); // the command is still RUN: lasts for one period
+    self->losses = (uint_least8_t)(losses + 1u);
+    return true;
+}
+
+LODE_NOINLINE void lode_mode_prove_start(lode_drive_t *self) {
+    if (lode_guard_found_nothing_else(&self->guard) && lode_mode_loses_lock(self)) {
+        (void)lode_mode_try_again(self, LODE_CRITERION_PROOF, self->estimator.lock, LODE_LOCK_LOST);
     }
 }
 
@@ -218,6 +226,15 @@ uint_least16_t lode_mode_rounds_to_prove(const lode_drive_t *self, float omega_r
     return opposite ? LODE_PROVING_ENDLESS : self->tuning->start.patience_rounds;
 }
 
+// (K51): gains that may have lost the lock of the attempt before are halved, twice if it was not the first.
+static void calm_after_loss(lode_drive_t *self) {
+    const uint_least8_t failed = self->guard.fault.criterion;
+    if (failed == (uint_least8_t)LODE_CRITERION_PROOF ||
+        failed == (uint_least8_t)LODE_CRITERION_OPEN_PHASE) {
+        self->state.run.speed.calmed = self->losses > 1u ? 2u : 1u;
+    }
+}
+
 #endif
 
 #if !defined(LODE_WITHOUT_FLYING_START) || !defined(LODE_WITHOUT_HFI)
@@ -233,6 +250,7 @@ void lode_mode_run_at_once(lode_drive_t *self) {
     run->fade = 0.0f;
     run->id_A = 0.0f;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
+    calm_after_loss(self);
     run->proving = 0u;
 #endif
     begin_counts(self);
@@ -366,6 +384,7 @@ void lode_mode_hand_over(lode_drive_t *self) {
                      lode_references_most_Nm(&tuning->references));
     run->fade = 1.0f;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
+    calm_after_loss(self);
     run->proving = caught ? lode_mode_rounds_to_prove(self, omega) : tuning->start.patience_rounds;
 #endif
     begin_counts(self);

@@ -100,9 +100,10 @@ static uint_least16_t step_of(const lode_open_phase_tuning_t *tuning, float turn
     return (uint_least16_t)((float)ENOUGH * share);
 }
 
-// True: so little current has been requested for so long that the counts are out of date.
+// True: so little current has been requested for so long that the counts are out of date. A fault that makes the torque swing
+// leaves pauses of up to a quarter of a turn (K26).
 static bool is_idle(lode_half_waves_t *waves, bool little, uint_least16_t step) {
-    waves->idle = little ? more(waves->idle, step) : (uint_least16_t)0u;
+    waves->idle = little ? more(waves->idle, (uint_least16_t)(step / 2u)) : (uint_least16_t)0u;
     return waves->idle >= ENOUGH;
 }
 

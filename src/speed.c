@@ -361,13 +361,13 @@ LODE_INLINE bool dips(const lode_speed_t *self, float gain, float error) {
 }
 
 // Further torque where a load has taken more than LODE_SPEED_DIP_SHARE of the speed (K47). `error`: of the speed, with the gain's
-// factor `gain`. Not LODE_RAMFUNC: rare.
+// factor `gain`. Gains that are halved once are whole again. Not LODE_RAMFUNC: rare.
 static LODE_NOINLINE float dip_Nm(const lode_speed_t *self, const lode_speed_tuning_t *tuning,
                                   float gain, float error) {
     const float reference = self->reference_rad_s;
     const float lacking = error - LODE_SPEED_DIP_SHARE * gain * reference;
-    const float more = (1.0f + tuning->dip_gain) / lode_speed_calm(self) -
-                       1.0f; // gains that are halved are whole again
+    const float whole = self->calmed == 0u ? 1.0f : 1.0f / LODE_SPEED_CALM;
+    const float more = (1.0f + tuning->dip_gain) * whole - 1.0f;
     return lode_abs(reference) >= tuning->dip_least ? more * tuning->pi.kp * lacking : 0.0f;
 }
 
@@ -378,7 +378,7 @@ static LODE_NOINLINE void count_swing(lode_speed_t *self) {
     self->swings++;
     if ((uint32_t)self->swings >= SWINGS) {
         self->swings = 0;
-        self->calmed = 1u;
+        self->calmed = self->calmed == 0u ? 1u : 2u;
     }
 }
 

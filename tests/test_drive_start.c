@@ -626,10 +626,13 @@ static void lose_an_attempt(rig_t *rig, unsigned attempt) {
 static void test_a_lock_lost_right_after_the_hand_over_is_an_attempt(void) {
     rig_t rig = handed_over();
     TEST_ASSERT_EQUAL_UINT(0u, rig_telemetry(&rig).retries);
+    TEST_ASSERT_FALSE(rig_telemetry(&rig).gains_halved);
     for (unsigned attempt = 1u; attempt <= 3u; attempt++) {
         lose_an_attempt(&rig, attempt);
         TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
         TEST_ASSERT_EQUAL_UINT(attempt, rig_telemetry(&rig).retries);
+        TEST_ASSERT_TRUE(rig_telemetry(&rig).gains_halved); // (K51)
+        TEST_ASSERT_EQUAL_UINT(attempt > 1u ? 2u : 1u, rig.drive.state.run.speed.calmed);
     }
     rig_t steady_rig = rig;
     rig_run(&steady_rig, 1.0);
@@ -637,6 +640,36 @@ static void test_a_lock_lost_right_after_the_hand_over_is_an_attempt(void) {
     (void)steps_until_off(&rig, 0.3f, 1.0f, 1000);
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, rig_telemetry(&rig).fault.check);
     TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, rig_telemetry(&rig).fault.state);
+}
+
+/// (K51). In a reversal the gains stay halved; after a commanded OFF they are whole.
+static void test_gains_are_halved_until_the_drive_is_off(void) {
+    rig_t rig = handed_over();
+    lose_an_attempt(&rig, 1u);
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
+    rig_run(&rig, 0.5);
+    rig_command(&rig, run_at(-80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 4.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
+    TEST_ASSERT_TRUE(rig_telemetry(&rig).gains_halved);
+    rig_command(&rig, off);
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_OFF, 0.01));
+    rig.motor.omega = 0.0;
+    rig_command(&rig, run_at(80.0));
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
+    TEST_ASSERT_FALSE(rig_telemetry(&rig).gains_halved);
+}
+
+/// (K51). A rotor that is caught after a lost lock has no other inertia.
+static void test_gains_are_halved_for_a_rotor_that_is_caught_again(void) {
+    rig_t rig = fresh();
+    run_up(&rig, 80.0, 8.0);
+    (void)steps_until_off(&rig, 0.3f, 1.0f, 1000);
+    TEST_ASSERT_EQUAL_INT(LODE_MODE_OFF, rig_telemetry(&rig).mode);
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 0.1));
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, rig.drive.state.run.fade); // not by a start's current
+    TEST_ASSERT_EQUAL_UINT(1u, rig_telemetry(&rig).retries);
+    TEST_ASSERT_TRUE(rig_telemetry(&rig).gains_halved);
 }
 
 /// (S28). What the attempts before have used up is gone; after a commanded OFF and in a reversal it is another start.
@@ -1254,6 +1287,8 @@ int main(void) {
     RUN_TEST(test_capacitors_are_charged_after_pulses_that_find_nothing);
     RUN_TEST(test_a_blocked_rotor_ends_in_a_start_fault);
     RUN_TEST(test_a_lock_lost_right_after_the_hand_over_is_an_attempt);
+    RUN_TEST(test_gains_are_halved_until_the_drive_is_off);
+    RUN_TEST(test_gains_are_halved_for_a_rotor_that_is_caught_again);
     RUN_TEST(test_all_attempts_of_a_start_have_one_time);
     RUN_TEST(test_a_start_is_proven_to_the_round);
     RUN_TEST(test_a_start_is_repeated_with_hall_switches_only);

@@ -696,9 +696,39 @@ static double turns_until_found(rig_t rig, float omega, double from_rad) {
 static rig_t running_with_voltage(void) {
     rig_t rig = running(100.0, 8.0);
     rig.drive.state.run.fade = 0.0f;
+    rig.drive.state.run.proving = 0u;
     rig.drive.state.run.waves = (lode_half_waves_t){.idle = 0u};
     rig.drive.u_V = (lode_dq_t){0.0f, 0.0f};
     return rig;
+}
+
+/// (K51). Right after the hand-over the gates go off, but it is an attempt that has failed; not the last one.
+static void test_a_phase_that_seems_open_before_the_proof_is_an_attempt(void) {
+    for (uint_least8_t losses = 0u; losses <= LODE_START_LOSSES_MAX; losses++) {
+        rig_t rig = running_with_voltage();
+        const float omega = 2.0f * tuning.start.omega_ready;
+        rig.drive.state.run.proving = 5u;
+        rig.drive.losses = losses;
+        if (losses == LODE_START_LOSSES_MAX) {
+            CHECK_AT_MOST(1.2, turns_until_found(rig, omega, 0.0));
+            continue;
+        }
+        rig.drive.estimator.pll.omega_rad_s = omega;
+        rig.drive.estimator.lag.omega_rad_s = omega;
+        for (int n = 0; n < 1000 && rig.drive.mode == (uint_least8_t)LODE_MODE_RUN; n++) {
+            check_without_a_half_wave(&rig.drive, 8.0 * RIG_TS_s * (double)omega * n);
+        }
+        TEST_ASSERT_FALSE(rig.drive.gates);
+        const lode_telemetry_t t = rig_telemetry(&rig);
+        TEST_ASSERT_EQUAL_INT(LODE_MODE_OFF, t.mode);
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, t.fault.check);
+        TEST_ASSERT_EQUAL_STRING("LODE_CRITERION_OPEN_PHASE",
+                                 lode_criterion_name((lode_criterion_t)t.fault.criterion));
+        CHECK_NEAR(0.0, 2.0, t.fault.measured);
+        TEST_ASSERT_EQUAL_UINT(losses + 1u, t.retries);
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
+        TEST_ASSERT_TRUE(rig_telemetry(&rig).gains_halved);
+    }
 }
 
 static void test_a_half_wave_is_found_within_1_2_turns_either_way(void) {
@@ -1419,6 +1449,7 @@ int main(void) {
     RUN_TEST(test_half_waves_of_a_start_are_looked_at_by_choice);
     RUN_TEST(test_the_hand_over_begins_the_counts_of_run);
     RUN_TEST(test_half_waves_are_looked_at_with_and_without_field_weakening);
+    RUN_TEST(test_a_phase_that_seems_open_before_the_proof_is_an_attempt);
     RUN_TEST(test_turns_that_tell_of_no_half_wave);
     RUN_TEST(test_a_half_wave_is_found_within_1_2_turns_either_way);
     RUN_TEST(test_a_turn_that_tells_nothing_forgets);

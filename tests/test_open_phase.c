@@ -223,15 +223,15 @@ static lode_open_phase_t after_a_pause(double i_A, double has, double angle, dou
     return open;
 }
 
-/// What has been lacking is kept until the phase has it, or nothing is asked for during a sixth of a turn.
+/// What has been lacking is kept until the phase has it, or nothing is asked for during a third of a turn.
 static void test_a_half_wave_that_comes_clears_its_phase(void) {
     const double quarter = CHECK_PI / 2.0;
     TEST_ASSERT_EQUAL_INT(1, after_a_pause(5.0, 0.0, quarter, 2.0));  // nothing is ref of it
     TEST_ASSERT_EQUAL_INT(1, after_a_pause(5.0, 0.0, CHECK_PI, 2.0)); // the other half-wave
     TEST_ASSERT_EQUAL_INT(1, after_a_pause(5.0, 0.4, 0.0, 2.0));      // neither has nor lacks
     TEST_ASSERT_EQUAL_INT(0, after_a_pause(5.0, 0.6, 0.0, 2.0));
-    TEST_ASSERT_EQUAL_INT(1, after_a_pause(0.3, 0.0, 0.0, 55.0));
-    TEST_ASSERT_EQUAL_INT(0, after_a_pause(0.3, 0.0, 0.0, 65.0));
+    TEST_ASSERT_EQUAL_INT(1, after_a_pause(0.3, 0.0, 0.0, 115.0));
+    TEST_ASSERT_EQUAL_INT(0, after_a_pause(0.3, 0.0, 0.0, 125.0));
     TEST_ASSERT_EQUAL_INT(0, after_a_pause(0.3, 1.0, 0.0, 2.0)); // a little is enough to clear it
 }
 
@@ -287,20 +287,20 @@ static void test_less_than_the_least_of_each_phase_tells_nothing(void) {
 }
 
 /// A set lacks for half of what is enough, before and after a pause with little current.
-static void test_what_was_lacking_is_forgotten_after_a_sixth_of_a_turn(void) {
+static void test_what_was_lacking_is_forgotten_after_a_third_of_a_turn(void) {
     const lode_ab_t ref = {4.0f, 0.0f};
     const lode_ab_t none = {0.0f, 0.0f};
     const lode_ab_t little = {1.0f, 0.0f};
-    for (int checks = 3; checks <= 4; checks++) {
+    for (int checks = 7; checks <= 8; checks++) {
         lode_open_phase_watch_t watch;
         lode_open_phase_reset(&watch);
         (void)after_checks(&watch, 2, 0, none, ref);
         (void)after_checks(&watch, checks, 0, none, little);
-        TEST_ASSERT_EQUAL_INT(checks < 4, watch.doubts);
+        TEST_ASSERT_EQUAL_INT(checks < 8, watch.doubts);
         // Forgotten is all but this check's, a quarter of enough.
-        TEST_ASSERT_EQUAL_UINT(checks < 4 ? 16384u : 4096u, watch.set[0].all);
-        TEST_ASSERT_EQUAL_UINT(checks < 4 ? 12288u : 0u, watch.set[0].waves.idle);
-        TEST_ASSERT_EQUAL_INT(checks < 4 ? 7 : 0, after_checks(&watch, 2, 0, none, ref));
+        TEST_ASSERT_EQUAL_UINT(checks < 8 ? 16384u : 4096u, watch.set[0].all);
+        TEST_ASSERT_EQUAL_UINT(checks < 8 ? 14336u : 0u, watch.set[0].waves.idle);
+        TEST_ASSERT_EQUAL_INT(checks < 8 ? 7 : 0, after_checks(&watch, 2, 0, none, ref));
         TEST_ASSERT_EQUAL_UINT(0u, watch.set[0].waves.idle);
         (void)after_checks(&watch, 1, 0, ref, ref);
         TEST_ASSERT_EQUAL_UINT(0u, watch.set[0].all);
@@ -546,8 +546,8 @@ static void test_a_half_wave_that_is_seen_clears_its_phase(void) {
     TEST_ASSERT_FALSE(sound.waves.doubts);
     sound = s;
     sound.phase = 0;
-    sound.i_A = 0.0; // nothing is asked for, for a sixth of a turn
-    for (int n = 0; n < 30; n++) {
+    sound.i_A = 0.0; // nothing is asked for, for a third of a turn
+    for (int n = 0; n < 60; n++) {
         (void)check_at_three(&sound);
     }
     TEST_ASSERT_FALSE(sound.waves.doubts);
@@ -799,7 +799,7 @@ int main(void) {
     RUN_TEST(test_a_half_wave_that_comes_clears_its_phase);
     RUN_TEST(test_at_its_limits);
     RUN_TEST(test_less_than_the_least_of_each_phase_tells_nothing);
-    RUN_TEST(test_what_was_lacking_is_forgotten_after_a_sixth_of_a_turn);
+    RUN_TEST(test_what_was_lacking_is_forgotten_after_a_third_of_a_turn);
     RUN_TEST(test_enough_is_a_sixth_of_a_turn);
     RUN_TEST(test_doubts_at_their_limits);
     RUN_TEST(test_without_doubt_nothing_is_lacking);

@@ -149,7 +149,8 @@ static void test_a_swing_halves_the_gains(void) {
         double gain;
     } cases[] = {
         {0.51, longest, 15, 1.0}, {0.51, longest, 16, 0.5},     {0.51, 1, 16, 0.5},
-        {0.51, 40, 60, 0.5},      {0.51, longest + 1, 60, 1.0}, {0.49, 40, 60, 1.0},
+        {1.01, 40, 31, 0.5},      {1.01, 40, 32, 0.25},         {9.0, 40, 90, 0.25},
+        {0.99, 40, 60, 0.5},      {0.51, longest + 1, 60, 1.0}, {0.49, 40, 60, 1.0},
         {50.0, 1000, 30, 1.0}, // of loads
     };
     for (int n = 0; n < COUNT_OF(cases); n++) {
@@ -187,8 +188,8 @@ static void test_what_halved_gains_leave(void) {
     config.inertia_feed_forward = 1.0f;
     config.dip_gain = 2.0f;
     const lode_speed_tuning_t tuning = tuned(&config);
-    lode_speed_t speed[2];
-    for (int n = 0; n < 2; n++) {
+    lode_speed_t speed[3];
+    for (int n = 0; n < 3; n++) {
         lode_speed_reset(&speed[n], &tuning, 50.0f, 0.0f, 0.0f, 1.0e4f);
         speed[n].calmed = (uint_least8_t)n;
     }
@@ -197,11 +198,15 @@ static void test_what_halved_gains_leave(void) {
                lode_speed_step(&speed[0], &tuning, 80.0f, 150.0f, 0.0f));
     CHECK_NEAR(1.0e-4, 0.5 * (0.8 * 0.04 + 0.0174 * 200.0),
                lode_speed_step(&speed[1], &tuning, 80.0f, 150.0f, 0.0f));
-    // at the border of a dip half of the torque, beyond it the same slope
-    for (int n = 0; n < 2; n++) {
+    CHECK_NEAR(1.0e-4, 0.25 * (0.8 * 0.04 + 0.0174 * 200.0),
+               lode_speed_step(&speed[2], &tuning, 80.0f, 150.0f, 0.0f));
+    // at the border of a dip as much less torque; beyond it the same slope, half of it after the second halving
+    static const double before[] = {1.0, 0.5, 0.25};
+    static const double beyond[] = {1.0, 1.0, 0.5};
+    for (int n = 0; n < 3; n++) {
         lode_speed_reset(&speed[n], &tuning, 50.0f, 0.0f, 0.0f, 1.0e4f);
         speed[n].calmed = (uint_least8_t)n;
-        CHECK_NEAR(2.0e-3, (n == 0 ? 1.0 : 0.5) * 0.8 * 15.0 + 0.8 * 3.0 * 10.0,
+        CHECK_NEAR(2.0e-3, before[n] * 0.8 * 15.0 + beyond[n] * 0.8 * 3.0 * 10.0,
                    lode_speed_step(&speed[n], &tuning, 50.0f, 3.0f * 25.0f, 0.0f));
     }
 }

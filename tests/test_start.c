@@ -2179,6 +2179,8 @@ static void test_stages_and_criteria_have_names(void) {
                              lode_start_stage_name((lode_start_stage_t)(LODE_START_TURN + 1)));
     TEST_ASSERT_EQUAL_STRING("LODE_CRITERION_NONE", lode_criterion_name(LODE_CRITERION_NONE));
     TEST_ASSERT_EQUAL_STRING("LODE_CRITERION_PROOF", lode_criterion_name(LODE_CRITERION_PROOF));
+    TEST_ASSERT_EQUAL_STRING("LODE_CRITERION_OPEN_PHASE",
+                             lode_criterion_name(LODE_CRITERION_OPEN_PHASE));
     TEST_ASSERT_EQUAL_STRING("LODE_CRITERION_POLARITY",
                              lode_criterion_name(LODE_CRITERION_POLARITY));
     TEST_ASSERT_EQUAL_STRING("LODE_CRITERION_UNKNOWN", lode_criterion_name(LODE_CRITERION_COUNT));

@@ -101,14 +101,17 @@ typedef struct {
     lode_mode_t mode; ///< OFF, CALIBRATE, VOLTAGE, CURRENT or RUN
     /// RUN: MECHANICAL speed, rad/s, of either sign; with torque control the direction, and the speed that is not
     /// exceeded. At most the smaller of estimator.omega_max_rad_s and guard.omega_max_rad_s, divided by the pole
-    /// pairs
+    /// pairs. Not looked at in the other modes, as long as it is finite
     float speed_rad_s;
-    lode_dq_t vector;       ///< VOLTAGE: V, CURRENT: A, in the frame at theta_rad
+    /// VOLTAGE: V, shortened to the circle of current.voltage_use; CURRENT: A, shortened to i_max_A; in the frame at
+    /// theta_rad
+    lode_dq_t vector;
     float theta_rad;        ///< VOLTAGE, CURRENT: angle of that frame at entry into the mode, rad
     float omega_rad_s;      ///< VOLTAGE, CURRENT: electrical speed of that frame, rad/s
     bool clear_fault;       ///< only with OFF: leave FAULT
     lode_control_t control; ///< RUN: what is controlled
-    /// RUN with torque control: positive accelerates towards positive speeds, whatever the present direction
+    /// RUN with torque control: positive accelerates towards positive speeds, whatever the present direction. Limited
+    /// to what current, voltage and bus allow (lode_telemetry_t.torque_limited)
     float torque_Nm;
 #ifndef LODE_WITHOUT_ACTIVE_SHORT
     /// in FAULT all low sides stay on (docs/reactions.md). Where a shorted switch may be what has tripped
@@ -351,8 +354,8 @@ typedef struct {
     bool speed_raised;
     /// RUN with torque control: a speed is held, the least one or the commanded limit, and not the commanded torque
     bool speed_held;
-    /// RUN: speed control has swung, and has half of its gains until the next start (K48): the inertia may be less than
-    /// configured
+    /// RUN: speed control has a half or a quarter of its gains, as it has swung (K48), until the next start, or as the lock
+    /// was lost right after a hand-over (K51), until OFF: the inertia may be less than configured
     bool gains_halved;
     /// failed attempts of the present start, or of the last one: up to 2, and 3 while the last attempt is repeated.
     /// With injection also the number of times the rotor was searched for again, up to 3. 0 with

@@ -42,7 +42,7 @@ typedef struct {
     /// gain beyond kp_Nms, over kp_Nms, where a load has taken more than LODE_SPEED_DIP_SHARE of the speed (K47), 0 .. 10;
     /// 0: 2, or less for a bandwidth of sigma at low speed in all, and none with injection; LODE_NONE: none
     float dip_gain;
-    /// amplitude of torque with which the correction of the speed swings until both gains are halved (K48);
+    /// amplitude of torque with which the correction of the speed swings until both gains are halved, twice at most (K48);
     /// 0: 3 % of the torque at i_max/1.5, and never with injection; LODE_NONE: never
     float swing_Nm;
     /// lowest ELECTRICAL speed that is held without an angle sensor; 0: hand-over speed
@@ -92,7 +92,7 @@ typedef struct {
     uint_least16_t swing_age; ///< calls since the last half-wave, at most swing_calls
     uint_least8_t swings;     ///< half-waves of the present swing
     uint_least8_t swung_up;   ///< not 0: the last one was positive
-    uint_least8_t calmed;     ///< not 0: the gains have swung and are halved
+    uint_least8_t calmed;     ///< how often the gains have been halved: 0 .. 2 (K48), (K51)
     lode_range_t limit_Nm;    ///< limits of the torque reference; kept up to date by the drive
 } lode_speed_t;
 
@@ -103,10 +103,11 @@ typedef struct {
         damping_rad_s; ///< rate at which the EMF brakes a rotor four times lighter than configured
 } lode_speed_loop_t;
 
-/// Factor of both gains: 1, or LODE_SPEED_CALM once they have swung (K48). Not kept as a float, of which a flipped bit
-/// could be a gain of any size and sign.
+/// Factor of both gains: 1, LODE_SPEED_CALM or its square (K48). Not kept as a float, of which a flipped bit could be a
+/// gain of any size and sign.
 static inline float lode_speed_calm(const lode_speed_t *self) {
-    return self->calmed != 0u ? LODE_SPEED_CALM : 1.0f;
+    const float twice = LODE_SPEED_CALM * LODE_SPEED_CALM;
+    return self->calmed == 0u ? 1.0f : (self->calmed == 1u ? LODE_SPEED_CALM : twice);
 }
 
 /// Fills every zero field that has a default. `injects`: the drive uses injection and holds the rotor at standstill
