@@ -70,8 +70,7 @@ LODE_NOINLINE bool lode_mode_try_again(lode_drive_t *self, lode_criterion_t crit
     const uint_least8_t losses = self->losses;
     // Another attempt would have the same sensor. The coarse speed of Hall switches may contradict the EMF for a moment only.
     const bool same = lode_mode_is_sensored(self) && !self->edges;
-    if (lode_mode(self) != LODE_MODE_RUN || self->state.run.proving == 0u || same ||
-        losses >= LODE_START_LOSSES_MAX) {
+    if (self->state.run.proving == 0u || same || losses >= LODE_START_LOSSES_MAX) {
         return false;
     }
     lode_guard_withdraw(&self->guard);
@@ -85,7 +84,8 @@ LODE_NOINLINE bool lode_mode_try_again(lode_drive_t *self, lode_criterion_t crit
 }
 
 LODE_NOINLINE void lode_mode_prove_start(lode_drive_t *self) {
-    if (lode_guard_found_nothing_else(&self->guard) && lode_mode_loses_lock(self)) {
+    if (lode_mode(self) == LODE_MODE_RUN && lode_guard_found_nothing_else(&self->guard) &&
+        lode_mode_loses_lock(self)) {
         (void)lode_mode_try_again(self, LODE_CRITERION_PROOF, self->estimator.lock, LODE_LOCK_LOST);
     }
 }

@@ -166,7 +166,7 @@ void lode_mode_fault(lode_drive_t *self, lode_check_t check, float measured, flo
 void lode_mode_obey_guard(lode_drive_t *self);
 
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-// Ends an attempt that RUN has not proven yet; the start begins again (S28). False: there is none, or it was the last one.
+// In RUN: ends an attempt that is not proven yet; the start begins again (S28). False: there is none, or it was the last one.
 bool lode_mode_try_again(lode_drive_t *self, lode_criterion_t criterion, float measured,
                          float limit);
 
