@@ -705,26 +705,29 @@ static rig_t running_with_voltage(void) {
 /// (K51). Right after the hand-over the gates go off, but it is an attempt that has failed; not the last one.
 static void test_a_phase_that_seems_open_before_the_proof_is_an_attempt(void) {
     for (uint_least8_t losses = 0u; losses <= LODE_START_LOSSES_MAX; losses++) {
-        rig_t rig = running_with_voltage();
-        const float omega = 2.0f * tuning.start.omega_ready;
-        rig.drive.state.run.proving = 5u;
+        const int phase = losses % LODE_PHASES;
+        rig_t rig = running(100.0, 8.0);
+        rig_run(&rig, 0.3);
         rig.drive.losses = losses;
+        for (int n = 0; n < 1000 && rig.drive.mode == (uint_least8_t)LODE_MODE_RUN; n++) {
+            rig.drive.state.run.proving = 5u;
+            rig.drive.state.run.waves = (lode_half_waves_t){.doubts = 1u};
+            rig.drive.state.run.waves.lacks[phase] = 16384u; // enough, unless it is there now
+            rig_step(&rig);
+        }
+        TEST_ASSERT_EQUAL_INT(LODE_GATES_OFF, rig.out.gates);
+        const lode_telemetry_t t = rig_telemetry(&rig);
+        CHECK_NEAR(0.0, phase + 1, t.fault.measured);
+        CHECK_NEAR(0.0, 0.0, t.fault.limit);
         if (losses == LODE_START_LOSSES_MAX) {
-            CHECK_AT_MOST(1.2, turns_until_found(rig, omega, 0.0));
+            TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OPEN_PHASE",
+                                     lode_check_name((lode_check_t)t.fault.check));
             continue;
         }
-        rig.drive.estimator.pll.omega_rad_s = omega;
-        rig.drive.estimator.lag.omega_rad_s = omega;
-        for (int n = 0; n < 1000 && rig.drive.mode == (uint_least8_t)LODE_MODE_RUN; n++) {
-            check_without_a_half_wave(&rig.drive, 8.0 * RIG_TS_s * (double)omega * n);
-        }
-        TEST_ASSERT_FALSE(rig.drive.gates);
-        const lode_telemetry_t t = rig_telemetry(&rig);
         TEST_ASSERT_EQUAL_INT(LODE_MODE_OFF, t.mode);
         TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, t.fault.check);
         TEST_ASSERT_EQUAL_STRING("LODE_CRITERION_OPEN_PHASE",
                                  lode_criterion_name((lode_criterion_t)t.fault.criterion));
-        CHECK_NEAR(0.0, 2.0, t.fault.measured);
         TEST_ASSERT_EQUAL_UINT(losses + 1u, t.retries);
         TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
         TEST_ASSERT_TRUE(rig_telemetry(&rig).gains_halved);

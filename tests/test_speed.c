@@ -157,6 +157,9 @@ static void test_a_swing_halves_the_gains(void) {
         lode_speed_t speed;
         lode_speed_reset(&speed, &tuning, 50.0f, 0.0f, 0.0f, 1.0e4f);
         swing(&speed, &tuning, cases[n].torque_Nm, cases[n].calls, cases[n].half_waves);
+        TEST_ASSERT_EQUAL_UINT(cases[n].gain > 0.9 ? 0u : (cases[n].gain > 0.4 ? 1u : 2u),
+                               speed.calmed);
+        TEST_ASSERT_LESS_OR_EQUAL_UINT(1u, speed.swung_up);
         const double integral = (double)speed.pi.integral;
         CHECK_NEAR(1.0e-4, integral + cases[n].gain * 0.8 * 3.0,
                    lode_speed_step(&speed, &tuning, 50.0f, 3.0f * 47.0f, 0.0f));
