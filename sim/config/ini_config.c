@@ -407,6 +407,29 @@ void ini_config_value(const rig_config_t *config, int row, char *text, size_t si
     }
 }
 
+/// What a field that the design leaves open stands for; empty for all others.
+static const char *open_field(const rig_config_t *config, size_t offset) {
+    const lode_drive_config_t *drive = &config->drive;
+    lode_drive_tuning_t tuning;
+    if (offset == offsetof(rig_config_t, drive.inverter.double_update)) {
+        return drive->inverter.double_update == LODE_AUTO ? ": off" : "";
+    }
+    if (offset == offsetof(rig_config_t, drive.speed.ramp_down_rad_s2)) {
+        return drive->speed.ramp_down_rad_s2 > 0.0f ? "" : ": as ramp_rad_s2";
+    }
+    const bool pulses = offset == offsetof(rig_config_t, drive.start.pulses);
+    const bool check = offset == offsetof(rig_config_t, drive.start.signal_check);
+    if (!(pulses && drive->start.pulses == LODE_AUTO) &&
+        !(check && drive->start.signal_check == LODE_AUTO)) {
+        return "";
+    }
+    if (lode_drive_tune(&tuning, drive) != LODE_OK) {
+        return "";
+    }
+    return (pulses ? tuning.fly.share_first > 0.0f : tuning.signal_check.pulses > 0u) ? ": on"
+                                                                                      : ": off";
+}
+
 void ini_config_where(const rig_config_t *config, int row, char *text, size_t size) {
     const rig_origin_t *origin = &config->origin[row];
     const char *gap = origin->instead != NULL ? ": " : "";
@@ -422,7 +445,8 @@ void ini_config_where(const rig_config_t *config, int row, char *text, size_t si
     } else if (origin->assumed != NULL) {
         (void)snprintf(text, size, "assumed: %s", origin->assumed);
     } else {
-        (void)snprintf(text, size, "default or computed");
+        (void)snprintf(text, size, "default or computed%s",
+                       open_field(config, rig_schema().row[row].offset));
     }
 }
 

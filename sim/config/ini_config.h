@@ -25,7 +25,7 @@ void ini_config_override(rig_config_t *config, const char *section, const char *
 void ini_config_value(const rig_config_t *config, int row, char *text, size_t size);
 
 /// The source of the value of a key: "FILE:LINE", "from FILE", "command line", "measured",
-/// or "default or computed".
+/// or "default or computed", with what a field that is still open stands for.
 void ini_config_where(const rig_config_t *config, int row, char *text, size_t size);
 
 /// First comment line of the file, without its mark: its title in a list.

@@ -378,6 +378,17 @@ def heavy(checks, folder):
     checks.true(rows and not any("nan" in row or " -" in row for row in rows), f"loops of analyse: {rows}")
 
 
+def open_fields(checks, folder):
+    """What a field stands for that the design leaves open."""
+    expected = [([], {"double_update": "off", "ramp_down_rad_s2": "as ramp_rad_s2", "pulses": "on", "signal_check": "on"}),
+                (["--set", "drive.double_update=on"], {"pulses": "off", "signal_check": "on"}),
+                (["--set", "start.catch_s=none"], {"pulses": "off", "signal_check": "off"})]
+    for arguments, fields in expected:
+        text = folder.run("design", "--motor", "jiang2022", "--drive", "jiang2022", *arguments).stdout
+        for key, means in fields.items():
+            checks.true(re.search(rf"^{key} += \w+ +; default or computed: {means}$", text, re.M), f"{key} with {arguments}")
+
+
 def heavy_trial(checks, folder):
     """Phases that fit a slow loop: a start no longer than it takes, loads until the speed is back, a stop that comes to rest."""
     folder.write("m.ini", WASHER)
@@ -746,6 +757,7 @@ def main():
         full_speed(checks, folder)
         trial_load(checks, folder)
         heavy(checks, folder)
+        open_fields(checks, folder)
         heavy_trial(checks, folder)
         injection(checks, folder)
         signal_check(checks, folder)
