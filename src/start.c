@@ -526,8 +526,8 @@ const char *lode_criterion_name(lode_criterion_t criterion) {
         NAME(LODE_CRITERION_LOCK);
         NAME(LODE_CRITERION_HOLD);
         NAME(LODE_CRITERION_PROOF);
-        NAME(LODE_CRITERION_OPEN_PHASE);
         NAME(LODE_CRITERION_POLARITY);
+        NAME(LODE_CRITERION_OPEN_PHASE);
     case LODE_CRITERION_COUNT:
     default:
         return "LODE_CRITERION_UNKNOWN";

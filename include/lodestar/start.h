@@ -127,11 +127,12 @@ typedef enum {
     LODE_CRITERION_EMF,
     LODE_CRITERION_SPEED, ///< the estimated speed agrees with that of the vector: electrical, rad/s
     LODE_CRITERION_FLUX, ///< share of the flux that the d current takes away is at most LODE_START_LOST_MAX
-    LODE_CRITERION_LOCK,       ///< lock quality
-    LODE_CRITERION_HOLD,       ///< speed, flux and lock have been right for long enough, s
-    LODE_CRITERION_PROOF,      ///< lock quality within 0.4 s after the hand-over (S28)
-    LODE_CRITERION_OPEN_PHASE, ///< no phase that seems open within that time; measured: its number
+    LODE_CRITERION_LOCK,  ///< lock quality
+    LODE_CRITERION_HOLD,  ///< speed, flux and lock have been right for long enough, s
+    LODE_CRITERION_PROOF, ///< lock quality within 0.4 s after the hand-over (S28)
     LODE_CRITERION_POLARITY, ///< injection has found the polarity of the magnets; measured: lock quality
+    /// no phase that seems open within that time of (S28); measured: its number
+    LODE_CRITERION_OPEN_PHASE,
     LODE_CRITERION_COUNT
 } lode_criterion_t;
 

@@ -98,18 +98,15 @@ static const char *start_hint(lode_criterion_t criterion) {
     case LODE_CRITERION_REST:
     case LODE_CRITERION_EMF:
         return "the rotor has not followed: start.current_A and the load, start.ramp_rad_s2 and "
-               "the "
-               "inertia";
+               "the inertia";
     case LODE_CRITERION_SPEED:
     case LODE_CRITERION_FLUX:
     case LODE_CRITERION_LOCK:
     case LODE_CRITERION_HOLD:
-        return "the EMF does not fit the motor: psi_Wb, L, dead time and drops, or a load that "
-               "swings";
+        return "the EMF does not fit the motor: psi_Wb, L, dead time and drops, a swinging load";
     case LODE_CRITERION_PROOF:
     case LODE_CRITERION_OPEN_PHASE:
-        return "lost after the hand-over: J_kgm2, L and psi_Wb; a load step sooner than `design` "
-               "allows";
+        return "lost right after the hand-over: J_kgm2, L and psi_Wb, or a load step";
     case LODE_CRITERION_NONE:
     case LODE_CRITERION_CURRENT:
     case LODE_CRITERION_RAMP:
