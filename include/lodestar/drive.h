@@ -106,7 +106,8 @@ typedef struct {
     /// VOLTAGE: V, shortened to the circle of current.voltage_use; CURRENT: A, shortened to i_max_A; in the frame at
     /// theta_rad
     lode_dq_t vector;
-    float theta_rad;        ///< VOLTAGE, CURRENT: angle of that frame at entry into the mode, rad
+    /// VOLTAGE, CURRENT: electrical angle of that frame at entry into the mode, rad; at 0 its d axis lies on phase a
+    float theta_rad;
     float omega_rad_s;      ///< VOLTAGE, CURRENT: electrical speed of that frame, rad/s
     bool clear_fault;       ///< only with OFF: leave FAULT
     lode_control_t control; ///< RUN: what is controlled
@@ -354,8 +355,8 @@ typedef struct {
     bool speed_raised;
     /// RUN with torque control: a speed is held, the least one or the commanded limit, and not the commanded torque
     bool speed_held;
-    /// RUN: speed control has a half or a quarter of its gains, as it has swung (K48), until the next start, or as the lock
-    /// was lost right after a hand-over (K51), until OFF: the inertia may be less than configured
+    /// RUN: speed control has a half or a quarter of its gains: because it oscillated (K48), until the next start, or
+    /// because the lock was lost right after a hand-over (K51), until OFF. The inertia may be less than configured
     bool gains_halved;
     /// failed attempts of the present start, or of the last one: up to 2, and 3 while the last attempt is repeated.
     /// With injection also the number of times the rotor was searched for again, up to 3. 0 with
@@ -368,10 +369,11 @@ typedef struct {
     bool signals_checked;
     bool shorted;    ///< FAULT: active short, all low sides are on
     lode_abc_t duty; ///< high-side duties returned by the last call
-    lode_dq_t i_A;   ///< current at t_k, in the frame of control: rotor (RUN) or vector (START)
-    lode_dq_t ref_A; ///< current reference in the same frame
-    lode_dq_t u_V;   ///< voltage requested by current control, in the same frame
-    float v_bus_V;   ///< bus voltage at t_k
+    /// current at t_k, in the frame of control: rotor (RUN), vector (START) or command (VOLTAGE, CURRENT)
+    lode_dq_t i_A;
+    lode_dq_t ref_A;        ///< current reference in the same frame
+    lode_dq_t u_V;          ///< voltage requested by current control, in the same frame
+    float v_bus_V;          ///< bus voltage at t_k
     float temperature_degC; ///< power stage, the hotter one
     /// estimated electrical rotor angle at t_k, [-pi, pi]; START without a lock: angle of the vector
     float theta_rad;
@@ -450,7 +452,7 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
 /// measured beyond resistance and dead time is taken as beyond the new ones; a commanded speed beyond the new limits
 /// becomes the largest allowed one. With six phases use only
 /// lode_drive6_post_tuning(). The old tuning is free once lode_drive_tuning_taken() returns true. Cost: two passes
-/// over some 150 words. Errors, with which nothing is posted: NULL; TUNING, a value is not finite.
+/// over some 190 words. Errors, with which nothing is posted: NULL; TUNING, a value is not finite.
 lode_status_t lode_drive_post_tuning(lode_drive_t *self, const lode_drive_tuning_t *tuning);
 /// True once the interrupt has taken the posted tuning, or if none is posted.
 bool lode_drive_tuning_taken(const lode_drive_t *self);

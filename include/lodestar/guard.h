@@ -27,7 +27,8 @@ typedef enum {
     /// turned the rotor; where that is known by the size of its EMF alone, positive
     LODE_CHECK_WRONG_WAY,
     LODE_CHECK_START, ///< no hand-over: measured value and limit of the criterion that was not met (start.h)
-    LODE_CHECK_OFFSET, ///< deviation of a calibrated current offset from nominal, counts
+    /// deviation of a calibrated current offset from nominal, counts; before a start: current with the gates off, A
+    LODE_CHECK_OFFSET,
     LODE_CHECK_OPEN_PHASE, ///< 1 .. 3: phase of set 1; 4 .. 6: phase of set 2; 7, 8: all of set 1, of set 2
     /// ADC channel that is stuck: 1 .. 3: phase of set 1; 4 .. 6: phase of set 2; 7, 8: all of set 1, of set 2; 0: all
     LODE_CHECK_CURRENT_STUCK,

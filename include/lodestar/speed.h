@@ -40,7 +40,8 @@ typedef struct {
     /// LODE_NONE: none. 0: none, but up to 0.5 with injection, and where a rated load stops the rotor within 10 ms (K40)
     float load_feed_forward;
     /// gain beyond kp_Nms, over kp_Nms, where a load has taken more than LODE_SPEED_DIP_SHARE of the speed (K47), 0 .. 10;
-    /// 0: 2, or less for a bandwidth of sigma at low speed in all, and none with injection; LODE_NONE: none
+    /// 0: 2, or less, so that kp with it makes a bandwidth of at most the PLL's sigma at low speed; none with injection.
+    /// LODE_NONE: none
     float dip_gain;
     /// amplitude of torque with which the correction of the speed swings until both gains are halved, twice at most (K48);
     /// 0: 3 % of the torque at i_max/1.5, and never with injection; LODE_NONE: never

@@ -21,7 +21,7 @@ typedef struct {
     float current_last_A;
     /// ELECTRICAL speed of the hand-over; 0: 0.1 of rated (150 of 1500 rpm). The default is higher, up to 0.5 of
     /// rated or base speed, if 1 us of dead time and 30 % of R could amount to more than half of the EMF (S12), or
-    /// if a load step would stop a light salient rotor (S18), or if Lq i_max is more than twice psi (S52). It is at
+    /// if a load step would stop a light salient rotor (S18), or if Lq i_max is more than 1.25 psi (S52). It is at
     /// least the speed at which the EMF is a quarter of the drop across R
     float omega_handover_rad_s;
     /// ELECTRICAL acceleration in the first attempt; 0: that of a tenth of the start torque on the inertia, with a
@@ -209,8 +209,8 @@ typedef struct {
 #define LODE_START_SHIFT_MAX_rad 0.42f
 
 /// True if the EMF exceeds the errors of the drop across the resistance at a speed at which a hand-over is
-/// possible, up to half of rated and base speed (S27). False: starts and low speeds are only as good as current
-/// sensors and resistance are known. `config` has been completed by lode_start_design().
+/// possible, up to half of rated and base speed (S27). False: how well starts and low speeds work
+/// depends on how exactly current sensors and resistance are known. `config` has been completed by lode_start_design().
 bool lode_start_has_emf(const lode_start_config_t *config, const lode_inverter_config_t *inverter,
                         const lode_motor_t *motor);
 
