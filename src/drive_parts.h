@@ -44,7 +44,7 @@ void lode_drive_count_still(lode_drive_t *self, uint16_t count, float v_bus_V);
 void lode_drive_suspect(lode_drive_t *self, lode_plausibility_t *watch,
                         const int32_t i[LODE_PHASES], float checks);
 // In START with three phases: checks that each phase carries both half-waves. False, as below where nothing else is said: the
-// drive is in FAULT.
+// gates are off, in FAULT or for another attempt of the start.
 bool lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]);
 // The current vector has hardly moved since an earlier check. True: it is frozen.
 bool lode_drive_doubt_frozen(lode_drive_t *self, lode_frozen_t *frozen);

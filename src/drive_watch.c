@@ -388,6 +388,7 @@ static bool shows_half_waves(const lode_drive_t *self) {
     return known && !lode_mode_is_sensored(self) && !(self->state.run.fade > 0.0f);
 }
 
+// False: the gates are off.
 static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
     lode_half_waves_t *waves = &self->state.run.waves;
     if (!shows_half_waves(self)) {
@@ -412,7 +413,8 @@ static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
     const lode_open_phase_t open =
         lode_half_waves_check(waves, &self->tuning->plausibility.waves, &seen);
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    if (open > 0u && lode_mode_try_again(self, LODE_CRITERION_OPEN_PHASE, (float)open, 0.0f)) {
+    const bool starts = open > 0u && self->state.run.proving != LODE_PROVING_ENDLESS;
+    if (starts && lode_mode_try_again(self, LODE_CRITERION_OPEN_PHASE, (float)open, 0.0f)) {
         return false;
     }
 #endif
@@ -460,7 +462,7 @@ LODE_NOINLINE bool lode_drive_watch_control(lode_drive_t *self) {
     return false;
 }
 
-// False during a start that RUN has yet to prove (it fails by its lock), and while its current fades and leaves less torque. A
+// False during a start that RUN has yet to prove (it fails by its lock or a phase that seems open), and while its current fades and leaves less torque. A
 // caught rotor that turns against the command counts as started: it is braked for as long as that takes.
 static bool is_started(const lode_drive_t *self) {
     const lode_running_t *run = &self->state.run;

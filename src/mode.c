@@ -30,6 +30,7 @@ static void set_omitted(lode_drive_t *self) {
 static LODE_SMALL_CALL void open_gates(lode_drive_t *self, lode_mode_t mode) {
     self->gates = false;
     self->losses = 0u;
+    self->calm = 0u;
     lode_mode_set_duties(self, LODE_DUTY_IDLE);
     set_omitted(self);
     const lode_ab_t none = {0.0f, 0.0f};
@@ -68,6 +69,7 @@ void lode_mode_reset_guard(lode_drive_t *self) {
 LODE_NOINLINE bool lode_mode_try_again(lode_drive_t *self, lode_criterion_t criterion,
                                        float measured, float limit) {
     const uint_least8_t losses = self->losses;
+    const uint_least8_t calmed = self->state.run.speed.calmed;
     // Another attempt would have the same sensor. The coarse speed of Hall switches may contradict the EMF for a moment only.
     const bool same = lode_mode_is_sensored(self) && !self->edges;
     if (self->state.run.proving == 0u || same || losses >= LODE_START_LOSSES_MAX) {
@@ -78,8 +80,10 @@ LODE_NOINLINE bool lode_mode_try_again(lode_drive_t *self, lode_criterion_t crit
                                        .criterion = (uint_least8_t)criterion,
                                        .measured = measured,
                                        .limit = limit};
-    lode_mode_switch_off(self); // the command is still RUN: lasts for one period
+    lode_mode_switch_off(
+        self); // lasts for one period, as long as the command is RUN; both counts go on
     self->losses = (uint_least8_t)(losses + 1u);
+    self->calm = calmed == 0u ? 1u : 2u; // (K51): gains that may have lost the rotor
     return true;
 }
 
@@ -226,15 +230,6 @@ uint_least16_t lode_mode_rounds_to_prove(const lode_drive_t *self, float omega_r
     return opposite ? LODE_PROVING_ENDLESS : self->tuning->start.patience_rounds;
 }
 
-// (K51): gains that may have lost the lock of the attempt before are halved, twice if it was not the first.
-static void calm_after_loss(lode_drive_t *self) {
-    const uint_least8_t failed = self->guard.fault.criterion;
-    if (failed == (uint_least8_t)LODE_CRITERION_PROOF ||
-        failed == (uint_least8_t)LODE_CRITERION_OPEN_PHASE) {
-        self->state.run.speed.calmed = self->losses > 1u ? 2u : 1u;
-    }
-}
-
 #endif
 
 #if !defined(LODE_WITHOUT_FLYING_START) || !defined(LODE_WITHOUT_HFI)
@@ -247,10 +242,10 @@ void lode_mode_run_at_once(lode_drive_t *self) {
     lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, 0.0f,
                      lode_estimator_load_torque_Nm(estimator, &tuning->estimator),
                      lode_references_most_Nm(&tuning->references));
+    run->speed.calmed = self->calm;
     run->fade = 0.0f;
     run->id_A = 0.0f;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    calm_after_loss(self);
     run->proving = 0u;
 #endif
     begin_counts(self);
@@ -382,9 +377,9 @@ void lode_mode_hand_over(lode_drive_t *self) {
     lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, torque,
                      lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator),
                      lode_references_most_Nm(&tuning->references));
+    run->speed.calmed = self->calm;
     run->fade = 1.0f;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    calm_after_loss(self);
     run->proving = caught ? lode_mode_rounds_to_prove(self, omega) : tuning->start.patience_rounds;
 #endif
     begin_counts(self);
@@ -424,6 +419,7 @@ LODE_NOINLINE void lode_mode_hand_back(lode_drive_t *self) {
         self->losses = 0u; // otherwise it is still the same start
     }
 #endif
+    self->calm = self->state.run.speed.calmed;
     self->guard.lock = 0u;
     self->guard.speed = 0u; // of RUN; (S34) and (S36) count with them
     lode_start_reset(&self->state.start, lode_angle_add(rotor, ahead), omega, current_A);

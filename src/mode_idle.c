@@ -56,6 +56,10 @@ static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
 
 static void follow_off(lode_drive_t *self) {
     const lode_mode_t driven = driven_mode(self);
+    if (driven != LODE_MODE_START) { // no further attempt of the start before
+        self->losses = 0u;
+        self->calm = 0u;
+    }
     if (self->command.mode == (uint_least8_t)LODE_MODE_CALIBRATE ||
         (driven == LODE_MODE_START && !lode_drive_knows(self, LODE_KNOWN_OFFSETS))) {
         lode_sense_begin(&self->state.sums);
@@ -138,15 +142,21 @@ static LODE_NOINLINE bool follow_flight(lode_drive_t *self, const lode_sample_t 
 
 #ifndef LODE_WITHOUT_SIGNAL_CHECK
 
-// One period of the check of bridge and sensors. False: it is over, or not needed. Another attempt relies on the first one's.
+// Another attempt relies on the first one's check, unless a phase has seemed open since.
+static bool needs_check(const lode_drive_t *self) {
+    const bool first = self->losses == 0u;
+    return self->state.precharge.rests > 0u &&
+           (first || self->guard.fault.criterion == (uint_least8_t)LODE_CRITERION_OPEN_PHASE);
+}
+
+// One period of the check of bridge and sensors. False: it is over, or not needed.
 static LODE_NOINLINE bool check_signals(lode_drive_t *self, const lode_sample_t *sample) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_precharge_t *precharge = &self->state.precharge;
     lode_signal_check_t *check = &precharge->by.check;
     if (precharge->part != (uint_least8_t)LODE_PRECHARGE_CHECK) {
         precharge->part = (uint_least8_t)LODE_PRECHARGE_CHECK;
-        lode_signal_check_begin(check, &tuning->signal_check,
-                                precharge->rests > 0u && self->losses == 0u);
+        lode_signal_check_begin(check, &tuning->signal_check, needs_check(self));
     }
     if (!lode_signal_check_goes_on(check, &tuning->signal_check)) {
         return false;

@@ -423,6 +423,19 @@ static void test_a_start_without_its_signal_check_is_reported(void) {
     }
 }
 
+/// Another attempt relies on the check of the first one, unless a phase has seemed open since (K51).
+static void test_a_phase_that_seemed_open_is_looked_at_before_the_next_attempt(void) {
+    static const lode_criterion_t failed[] = {LODE_CRITERION_PROOF, LODE_CRITERION_OPEN_PHASE};
+    for (int n = 0; n < 2; n++) {
+        rig_t rig = fresh();
+        run_up(&rig, 80.0, 8.0);
+        TEST_ASSERT_TRUE(lode_mode_try_again(&rig.drive, failed[n], 0.0f, 0.0f));
+        rig.motor.omega = 0.0;
+        TEST_ASSERT_EQUAL_INT(n * 6 * PULSE_PERIODS, driven_before(&rig, false, true));
+        rig_expect(&rig, LODE_MODE_START);
+    }
+}
+
 static void test_swapped_sensors_end_the_start_before_it_begins(void) {
     rig_t rig = fresh();
     rig_command(&rig, run_at(100.0));
@@ -642,22 +655,61 @@ static void test_a_lock_lost_right_after_the_hand_over_is_an_attempt(void) {
     TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, rig_telemetry(&rig).fault.state);
 }
 
-/// (K51). In a reversal the gains stay halved; after a commanded OFF they are whole.
+/// (K51). Neither a reversal nor an attempt that fails otherwise ends what lost rotors or a swing (K48) have halved; OFF does.
 static void test_gains_are_halved_until_the_drive_is_off(void) {
-    rig_t rig = handed_over();
-    lose_an_attempt(&rig, 1u);
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
-    rig_run(&rig, 0.5);
-    rig_command(&rig, run_at(-80.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 4.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
-    TEST_ASSERT_TRUE(rig_telemetry(&rig).gains_halved);
-    rig_command(&rig, off);
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_OFF, 0.01));
-    rig.motor.omega = 0.0;
-    rig_command(&rig, run_at(80.0));
-    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
-    TEST_ASSERT_FALSE(rig_telemetry(&rig).gains_halved);
+    for (uint_least8_t calmed = 0u; calmed <= 2u; calmed++) {
+        rig_t rig = handed_over();
+        for (uint_least8_t lost = 1u; lost <= calmed; lost++) {
+            lose_an_attempt(&rig, lost);
+            TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
+            TEST_ASSERT_EQUAL_UINT(lost, rig.drive.state.run.speed.calmed);
+        }
+        rig_run(&rig, 0.5);
+        if (calmed == 0u) {
+            rig.drive.state.run.speed.calmed = 1u; // as by a swing
+        }
+        const uint_least8_t kept = rig.drive.state.run.speed.calmed;
+        rig_command(&rig, run_at(-80.0));
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 4.0));
+        rig.drive.guard.fault.criterion = (uint_least8_t)LODE_CRITERION_EMF; // as a failed attempt
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
+        TEST_ASSERT_EQUAL_UINT(kept, rig.drive.state.run.speed.calmed);
+        TEST_ASSERT_TRUE(rig_telemetry(&rig).gains_halved);
+        rig_command(&rig, off);
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_OFF, 0.01));
+        rig.motor.omega = 0.0;
+        rig_command(&rig, run_at(80.0));
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
+        TEST_ASSERT_FALSE(rig_telemetry(&rig).gains_halved);
+    }
+}
+
+/// A start that is given up while its next attempt is due leaves nothing to a later one.
+static void test_a_start_that_is_given_up_is_over(void) {
+    static const lode_command_t stop = {.mode = LODE_MODE_RUN};
+    for (int n = 0; n < 2; n++) {
+        rig_t rig = handed_over();
+        if (n == 0) { // a stop from speed, in which the lock is lost
+            rig_command(&rig, run_at(150.0));
+            rig_run(&rig, 1.0);
+            rig.drive.state.run.proving = 1000u;
+            rig_command(&rig, stop);
+            rig_step(&rig);
+        }
+        (void)steps_until_off(&rig, 0.3f, 1.0f, 1000);
+        rig_expect(&rig, LODE_MODE_OFF);
+        rig_command(&rig, n == 0 ? stop : off);
+        rig.motor.omega = 0.0;
+        rig_run(&rig, 0.1);
+        rig_expect(&rig, LODE_MODE_OFF);
+        TEST_ASSERT_EQUAL_UINT(0u, rig_telemetry(&rig).retries);
+        rig_command(&rig, run_at(80.0));
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 0.2));
+        TEST_ASSERT_EQUAL_UINT32(0u, rig.drive.start_rounds);
+        TEST_ASSERT_EQUAL_INT(LODE_CRITERION_NONE, rig_telemetry(&rig).fault.criterion);
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 20.0));
+        TEST_ASSERT_FALSE(rig_telemetry(&rig).gains_halved);
+    }
 }
 
 /// (K51). A rotor that is caught after a lost lock has no other inertia.
@@ -1288,6 +1340,8 @@ int main(void) {
     RUN_TEST(test_a_blocked_rotor_ends_in_a_start_fault);
     RUN_TEST(test_a_lock_lost_right_after_the_hand_over_is_an_attempt);
     RUN_TEST(test_gains_are_halved_until_the_drive_is_off);
+    RUN_TEST(test_a_start_that_is_given_up_is_over);
+    RUN_TEST(test_a_phase_that_seemed_open_is_looked_at_before_the_next_attempt);
     RUN_TEST(test_gains_are_halved_for_a_rotor_that_is_caught_again);
     RUN_TEST(test_all_attempts_of_a_start_have_one_time);
     RUN_TEST(test_a_start_is_proven_to_the_round);

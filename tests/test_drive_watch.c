@@ -734,6 +734,13 @@ static void test_a_phase_that_seems_open_before_the_proof_is_an_attempt(void) {
     }
 }
 
+/// Not while a rotor is braked that turns against the command.
+static void test_a_phase_that_seems_open_while_the_rotor_is_braked_is_a_fault(void) {
+    rig_t rig = running_with_voltage();
+    rig.drive.state.run.proving = LODE_PROVING_ENDLESS;
+    CHECK_AT_MOST(1.2, turns_until_found(rig, 2.0f * tuning.start.omega_ready, 0.0));
+}
+
 static void test_a_half_wave_is_found_within_1_2_turns_either_way(void) {
     const rig_t rig = running_with_voltage();
     const float ready = tuning.start.omega_ready;
@@ -1453,6 +1460,7 @@ int main(void) {
     RUN_TEST(test_the_hand_over_begins_the_counts_of_run);
     RUN_TEST(test_half_waves_are_looked_at_with_and_without_field_weakening);
     RUN_TEST(test_a_phase_that_seems_open_before_the_proof_is_an_attempt);
+    RUN_TEST(test_a_phase_that_seems_open_while_the_rotor_is_braked_is_a_fault);
     RUN_TEST(test_turns_that_tell_of_no_half_wave);
     RUN_TEST(test_a_half_wave_is_found_within_1_2_turns_either_way);
     RUN_TEST(test_a_turn_that_tells_nothing_forgets);

@@ -175,7 +175,8 @@ typedef struct {
     float fade; ///< share of the hand-over current that is left: 1 at hand-over, falls to 0
     float id_A; ///< d-axis current at hand-over, A; multiplied by `fade`
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    /// rounds of LODE_SLOW_PERIODS for which a lost lock still counts as a failed start (S28); 0: the start is over
+    /// rounds of LODE_SLOW_PERIODS for which a lost lock, or a phase that seems open, still counts as a failed start (S28);
+    /// 0: the start is over
     uint_least16_t proving;
 #endif
 #ifndef LODE_WITHOUT_PLAUSIBILITY
@@ -245,6 +246,7 @@ typedef struct {
     uint_least8_t mode_not; ///< complement of `mode`, to detect a changed bit
     uint_least8_t omitted;  ///< phases whose next two samples are unusable, two bits per sample
     uint_least8_t losses;   ///< failed attempts and lost rotors, as lode_telemetry_t.retries
+    uint_least8_t calm;     ///< how often the next RUN has its gains halved (K48), (K51)
     uint_least16_t temperature; ///< ADC count of the hotter power stage
     lode_sense_t sense;
     lode_guard_t guard;
@@ -355,8 +357,8 @@ typedef struct {
     bool speed_raised;
     /// RUN with torque control: a speed is held, the least one or the commanded limit, and not the commanded torque
     bool speed_held;
-    /// RUN: speed control has a half or a quarter of its gains: because it oscillated (K48), until the next start, or
-    /// because the lock was lost right after a hand-over (K51), until OFF. The inertia may be less than configured
+    /// RUN: speed control has a half or a quarter of its gains until OFF, because it oscillated (K48) or the rotor was lost
+    /// right after a hand-over (K51). The inertia may be less than configured
     bool gains_halved;
     /// failed attempts of the present start, or of the last one: up to 2, and 3 while the last attempt is repeated.
     /// With injection also the number of times the rotor was searched for again, up to 3. 0 with

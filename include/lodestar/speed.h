@@ -17,7 +17,8 @@ extern "C" {
 /// Share of the reference that a load takes before dip_gain acts (K47).
 #define LODE_SPEED_DIP_SHARE 0.3f
 
-/// Factor of both gains, until the next start, once speed control has swung (K48).
+/// Factor of both gains, until OFF, each time that speed control has swung (K48) or may have lost the rotor (K51); twice at
+/// most.
 #define LODE_SPEED_CALM 0.5f
 
 /// Configuration of speed control. Speeds are MECHANICAL unless they are called electrical.

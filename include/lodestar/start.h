@@ -115,8 +115,8 @@ typedef enum {
 /// The enumerator's name, for logs.
 const char *lode_start_stage_name(lode_start_stage_t stage);
 
-/// Criteria of the hand-over, in the order in which they are checked. A failed attempt reports the first one that
-/// was not met, with the measured value and the limit.
+/// Criteria of the hand-over, in the order in which they are checked up to HOLD. A failed attempt reports the first one
+/// that was not met, with the measured value and the limit.
 typedef enum {
     LODE_CRITERION_NONE,    ///< no attempt has failed
     LODE_CRITERION_CURRENT, ///< the vector has all of its current, A
@@ -131,7 +131,7 @@ typedef enum {
     LODE_CRITERION_HOLD,  ///< speed, flux and lock have been right for long enough, s
     LODE_CRITERION_PROOF, ///< lock quality within 0.4 s after the hand-over (S28)
     LODE_CRITERION_POLARITY, ///< injection has found the polarity of the magnets; measured: lock quality
-    /// no phase that seems open within that time of (S28); measured: its number
+    /// no phase seemed open within 0.4 s after the hand-over (S28); measured: the number of the one that did
     LODE_CRITERION_OPEN_PHASE,
     LODE_CRITERION_COUNT
 } lode_criterion_t;

@@ -116,7 +116,7 @@ static void tell_wrong(lode_drive_config_t *drive, const ranges_t *ranges, uint6
 static void draw_truth(rig_config_t *truth, const ranges_t *ranges, uint64_t *state) {
     rig_plant_t *plant = &truth->plant;
     plant->theta0_deg = either_way(state, 180.0);
-    const double coupled = isnan(plant->J_factor) ? 1.0 : plant->J_factor; // of --set
+    const double coupled = isnan(plant->J_factor) ? 1.0 : plant->J_factor; // of --set or the file
     plant->J_factor = coupled * exp(between(state, log(ranges->J_low), log(ranges->J_high)));
     plant->i_noise_A = NOISE_COUNTS * fabs((double)truth->drive.sense.i_gain_A_count);
     for (int k = 0; k < PLANT_LEGS; ++k) {

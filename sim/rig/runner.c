@@ -570,7 +570,8 @@ static void warn(runner_phase_t *out, const char *format, ...) {
 static void tell_start(const run_t *run, lode_mode_t mode, char *text, size_t size) {
     const int failed = (int)lode_drive_retries(run->rig.drive);
     const char *name = lode_mode_name(mode) + strlen("LODE_MODE_");
-    if (failed > 0) {
+    const uint32_t criterion = run->rig.drive->guard.fault.criterion; // none: a search by injection
+    if (failed > 0 && criterion != (uint32_t)LODE_CRITERION_NONE) {
         (void)snprintf(text, size, ", in %s, attempt %d; the last one failed by %s", name,
                        failed + 1, fault_text_criterion(&run->rig.drive->guard.fault));
     } else {
@@ -580,7 +581,7 @@ static void tell_start(const run_t *run, lode_mode_t mode, char *text, size_t si
 
 /// Decimals of a speed in a warning.
 static int decimals(double rpm) {
-    return fabs(rpm) < 100.0 ? 1 : 0;
+    return fabs(rpm) < 10.0 ? 2 : (fabs(rpm) < 100.0 ? 1 : 0);
 }
 
 /// Reason why RUN has not reached a speed, if the run or the configuration shows it.
@@ -593,7 +594,7 @@ static const char *why_not(const run_t *run, double omega_rad_s) {
         return ", above what the bus voltage allows without load";
     }
     if (fabs(run->rotor_rpm - run->speed_goal_rpm) <= SPEED_REACHED * fabs(run->speed_goal_rpm)) {
-        return ", reached only at the very end";
+        return ", which it has passed or reached at the very end";
     }
     if ((lode_drive_limited(run->rig.drive) & (uint32_t)LODE_LIMITED_TORQUE) == 0u) {
         return "";

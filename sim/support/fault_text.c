@@ -104,13 +104,15 @@ static const char *start_hint(lode_criterion_t criterion) {
     case LODE_CRITERION_LOCK:
     case LODE_CRITERION_HOLD:
         return "the EMF does not fit the motor: psi_Wb, L, dead time and drops, a swinging load";
-    case LODE_CRITERION_PROOF:
     case LODE_CRITERION_OPEN_PHASE:
+        return "motor leads and drivers; a rotor far lighter than J_kgm2";
+    case LODE_CRITERION_POLARITY:
+        return "injection has not found the rotor: saliency (Ld_H, Lq_H), hfi.V_h_V";
+    case LODE_CRITERION_PROOF:
         return "lost right after the hand-over: J_kgm2, L and psi_Wb, or a load step";
     case LODE_CRITERION_NONE:
     case LODE_CRITERION_CURRENT:
     case LODE_CRITERION_RAMP:
-    case LODE_CRITERION_POLARITY:
     case LODE_CRITERION_COUNT:
     default:
         return "time: start.timeout_s and start.ramp_rad_s2";
