@@ -174,11 +174,11 @@ def reasons(checks, folder):
         return {phase["name"]: phase["warning"] for phase in folder.json("r.json")["phases"]}
 
     sound = said()
-    for name, pattern in [("early", r"1500 rpm not reached: \d+(\.\d)? rpm at the end, in START"), ("up", ""),
+    for name, pattern in [("early", r"1500 rpm not reached: \d+(\.\d+)? rpm at the end, in START"), ("up", ""),
                           ("heavy", r"1650 rpm not reached: 1\d{3} rpm at the end, with all the torque that the drive may make")]:
         checks.true(re.fullmatch(pattern, sound[name]), f"{name}: {sound[name]}")
     jammed = said("--set", "plant.stiction_Nm=1e4", "--set", "phase.early.duration_s=3")["early"]
-    checks.true(re.fullmatch(r"1500 rpm not reached: -?\d\.\d rpm at the end, in START, attempt [23]; the last one failed by EMF", jammed),
+    checks.true(re.fullmatch(r"1500 rpm not reached: -?\d\.\d+ rpm at the end, in START, attempt [23]; the last one failed by EMF", jammed),
                 f"a further attempt: {jammed}")
     fast = said("--set", "phase.heavy.load_Nm=6", "--set", "phase.heavy.speed_rpm=2200")["heavy"]
     checks.true(fast.endswith(", above the base speed: the voltage limits the torque"), f"at the end of the voltage: {fast}")
