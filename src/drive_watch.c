@@ -413,8 +413,7 @@ static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
     const lode_open_phase_t open =
         lode_half_waves_check(waves, &self->tuning->plausibility.waves, &seen);
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    const bool starts = open > 0u && self->state.run.proving != LODE_PROVING_ENDLESS;
-    if (starts && lode_mode_try_again(self, LODE_CRITERION_OPEN_PHASE, (float)open, 0.0f)) {
+    if (lode_mode_doubts_phase(self, open)) {
         return false;
     }
 #endif
@@ -462,8 +461,9 @@ LODE_NOINLINE bool lode_drive_watch_control(lode_drive_t *self) {
     return false;
 }
 
-// False during a start that RUN has yet to prove (it fails by its lock or a phase that seems open), and while its current fades and leaves less torque. A
-// caught rotor that turns against the command counts as started: it is braked for as long as that takes.
+// False during a start that RUN has yet to prove (it fails by its lock, or by a phase that seems open), and while its current
+// fades and leaves less torque. A caught rotor that turns against the command counts as started: it is braked for as long as
+// that takes.
 static bool is_started(const lode_drive_t *self) {
     const lode_running_t *run = &self->state.run;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY

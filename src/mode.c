@@ -2,6 +2,7 @@
 
 #include "estimator_inline.h"
 #include "inverter_inline.h"
+#include "open_phase_inline.h"
 #include "references_inline.h"
 #include "sense_inline.h"
 #include "speed_inline.h"
@@ -66,31 +67,57 @@ void lode_mode_reset_guard(lode_drive_t *self) {
 
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
 
-LODE_NOINLINE bool lode_mode_try_again(lode_drive_t *self, lode_criterion_t criterion,
-                                       float measured, float limit) {
-    const uint_least8_t losses = self->losses;
-    const uint_least8_t calmed = self->state.run.speed.calmed;
+LODE_NOINLINE void lode_mode_end_attempt(lode_drive_t *self, const lode_fault_t *why,
+                                         uint32_t failed, uint32_t calm) {
+    self->guard.fault = *why;
+    lode_mode_switch_off(self); // lasts for one period, as long as the command is RUN
+    self->losses = (uint_least8_t)failed;
+    self->calm = (uint_least8_t)calm;
+}
+
+// Ends an attempt that RUN has not proven yet; the start begins again (S28). False: there is none, or it was the last one.
+static bool try_again(lode_drive_t *self, lode_criterion_t criterion, float measured, float limit) {
     // Another attempt would have the same sensor. The coarse speed of Hall switches may contradict the EMF for a moment only.
     const bool same = lode_mode_is_sensored(self) && !self->edges;
-    if (self->state.run.proving == 0u || same || losses >= LODE_START_LOSSES_MAX) {
+    const lode_running_t *run = &self->state.run;
+    if (run->proving == 0u || same || self->losses >= LODE_START_LOSSES_MAX) {
         return false;
     }
+    const lode_fault_t why = {.state = self->mode,
+                              .criterion = (uint_least8_t)criterion,
+                              .measured = measured,
+                              .limit = limit};
     lode_guard_withdraw(&self->guard);
-    self->guard.fault = (lode_fault_t){.state = self->mode,
-                                       .criterion = (uint_least8_t)criterion,
-                                       .measured = measured,
-                                       .limit = limit};
-    lode_mode_switch_off(
-        self); // lasts for one period, as long as the command is RUN; both counts go on
-    self->losses = (uint_least8_t)(losses + 1u);
-    self->calm = calmed == 0u ? 1u : 2u; // (K51): gains that may have lost the rotor
+    // (K51): the gains may have lost the rotor.
+    lode_mode_end_attempt(self, &why, self->losses + 1u, lode_speed_calmer(run->speed.calmed));
     return true;
+}
+
+LODE_NOINLINE bool lode_mode_doubts_phase(lode_drive_t *self, uint_least8_t phase) {
+#ifdef LODE_WITHOUT_SIGNAL_CHECK
+    (void)self, (void)phase;
+    return false;
+#else
+    const bool checked = self->tuning->signal_check.pulses > 0u;
+    return phase > 0u && checked && self->state.run.proving != LODE_PROVING_ENDLESS &&
+           try_again(self, LODE_CRITERION_OPEN_PHASE, (float)phase, 0.0f);
+#endif
+}
+
+// The phase that seems to be open, from 1 (K41); 0: none.
+static uint_least8_t suspected(const lode_drive_t *self) {
+#ifdef LODE_WITHOUT_PLAUSIBILITY
+    (void)self;
+    return 0u;
+#else
+    return lode_half_waves_suspect(&self->state.run.waves);
+#endif
 }
 
 LODE_NOINLINE void lode_mode_prove_start(lode_drive_t *self) {
     if (lode_mode(self) == LODE_MODE_RUN && lode_guard_found_nothing_else(&self->guard) &&
-        lode_mode_loses_lock(self)) {
-        (void)lode_mode_try_again(self, LODE_CRITERION_PROOF, self->estimator.lock, LODE_LOCK_LOST);
+        lode_mode_loses_lock(self) && !lode_mode_doubts_phase(self, suspected(self))) {
+        (void)try_again(self, LODE_CRITERION_PROOF, self->estimator.lock, LODE_LOCK_LOST);
     }
 }
 

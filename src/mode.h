@@ -166,9 +166,9 @@ void lode_mode_fault(lode_drive_t *self, lode_check_t check, float measured, flo
 void lode_mode_obey_guard(lode_drive_t *self);
 
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-// In RUN: ends an attempt that is not proven yet; the start begins again (S28). False: there is none, or it was the last one.
-bool lode_mode_try_again(lode_drive_t *self, lode_criterion_t criterion, float measured,
-                         float limit);
+// In RUN: a phase seems to be open (0: none). Ends an attempt that is not proven yet, if bridge and sensors are checked before
+// the next one (S28). False: it does not.
+bool lode_mode_doubts_phase(lode_drive_t *self, uint_least8_t phase);
 
 // Once in LODE_SLOW_PERIODS: a start whose lock is lost right after the hand-over has failed.
 void lode_mode_prove_start(lode_drive_t *self);

@@ -18,6 +18,12 @@ static lode_mode_t driven_mode(const lode_drive_t *self) {
     return lode_mode_is_commissioning(wanted) ? wanted : LODE_MODE_OFF;
 }
 
+// The attempt before has ended because a phase seemed to be open.
+static bool seemed_open(const lode_drive_t *self) {
+    return self->losses > 0u &&
+           self->guard.fault.criterion == (uint_least8_t)LODE_CRITERION_OPEN_PHASE;
+}
+
 // The low sides switch on with their duties, one period later. False: PRECHARGE is not needed.
 static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
 #ifdef LODE_WITHOUT_PRECHARGE
@@ -26,8 +32,8 @@ static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
     return false;
 #else
     const lode_drive_tuning_t *tuning = self->tuning;
-    // Another attempt relies on what the first one has found.
-    if (driven == LODE_MODE_START && self->losses == 0u) {
+    // Another attempt relies on what the first one has found, unless a phase has seemed open since.
+    if (driven == LODE_MODE_START && (self->losses == 0u || seemed_open(self))) {
         self->known = (uint_least8_t)(self->known & (uint32_t)LODE_KNOWN_OFFSETS);
     }
     bool flies = false;
@@ -142,21 +148,16 @@ static LODE_NOINLINE bool follow_flight(lode_drive_t *self, const lode_sample_t 
 
 #ifndef LODE_WITHOUT_SIGNAL_CHECK
 
-// Another attempt relies on the first one's check, unless a phase has seemed open since.
-static bool needs_check(const lode_drive_t *self) {
-    const bool first = self->losses == 0u;
-    return self->state.precharge.rests > 0u &&
-           (first || self->guard.fault.criterion == (uint_least8_t)LODE_CRITERION_OPEN_PHASE);
-}
-
-// One period of the check of bridge and sensors. False: it is over, or not needed.
+// One period of the check of bridge and sensors. False: it is over, or not needed. Another attempt relies on the first one's,
+// unless a phase has seemed open since.
 static LODE_NOINLINE bool check_signals(lode_drive_t *self, const lode_sample_t *sample) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_precharge_t *precharge = &self->state.precharge;
     lode_signal_check_t *check = &precharge->by.check;
     if (precharge->part != (uint_least8_t)LODE_PRECHARGE_CHECK) {
+        const bool due = self->losses == 0u || seemed_open(self);
         precharge->part = (uint_least8_t)LODE_PRECHARGE_CHECK;
-        lode_signal_check_begin(check, &tuning->signal_check, needs_check(self));
+        lode_signal_check_begin(check, &tuning->signal_check, precharge->rests > 0u && due);
     }
     if (!lode_signal_check_goes_on(check, &tuning->signal_check)) {
         return false;
@@ -218,6 +219,11 @@ static void follow_precharge(lode_drive_t *self, const lode_sample_t *sample) {
     }
 #ifndef LODE_WITHOUT_SIGNAL_CHECK
     if (check_signals(self, sample)) {
+        return;
+    }
+    if (seemed_open(self) && !lode_drive_knows(self, LODE_KNOWN_SIGNALS)) {
+        const lode_fault_t last = self->guard.fault; // not refuted, as the rotor turns
+        lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, last.measured, last.limit);
         return;
     }
 #endif

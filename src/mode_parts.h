@@ -53,6 +53,11 @@ void lode_mode_take_q_axis(lode_drive_t *self);
 void lode_mode_switch_on(lode_drive_t *self, lode_mode_t mode);
 
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
+// OFF, from which the next attempt of the start begins. `failed`: attempts that have failed; `calm`: how often the gains of
+// its RUN are halved.
+void lode_mode_end_attempt(lode_drive_t *self, const lode_fault_t *why, uint32_t failed,
+                           uint32_t calm);
+
 // Rounds of RUN after which a start is over (S28). A rotor that turns against the command has not started until it has been
 // given back to the vector.
 uint_least16_t lode_mode_rounds_to_prove(const lode_drive_t *self, float omega_rad_s);

@@ -147,12 +147,7 @@ LODE_NOINLINE void lode_mode_catch_again(lode_drive_t *self, const lode_fault_t 
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
     const uint_least8_t failed = self->state.start.failed;
     if (failed < LODE_START_LOSSES_MAX && self->tuning->start.catch_rounds > 0u) {
-        const uint_least8_t calm = self->calm;
-        self->guard.fault = *why;
-        lode_mode_switch_off(
-            self); // lasts for one period, as long as the command is RUN; both counts go on
-        self->losses = (uint_least8_t)(failed + 1u);
-        self->calm = calm;
+        lode_mode_end_attempt(self, why, failed + 1u, self->calm);
         return;
     }
 #endif

@@ -378,7 +378,7 @@ static LODE_NOINLINE void count_swing(lode_speed_t *self) {
     self->swings++;
     if ((uint32_t)self->swings >= SWINGS) {
         self->swings = 0;
-        self->calmed = self->calmed == 0u ? 1u : 2u;
+        self->calmed = lode_speed_calmer(self->calmed);
     }
 }
 

@@ -1,4 +1,5 @@
 // The drive from rest, or from a rotor that turns already, into RUN: the check of bridge and sensors, the attempts, the hand-over.
+#include "mode_parts.h"
 #include "support/drive_cases.h"
 
 void setUp(void) {}
@@ -423,16 +424,25 @@ static void test_a_start_without_its_signal_check_is_reported(void) {
     }
 }
 
-/// Another attempt relies on the check of the first one, unless a phase has seemed open since (K51).
+/// Another attempt relies on the check of the first one, unless a phase has seemed open since. While the rotor turns that is
+/// the fault (S28).
 static void test_a_phase_that_seemed_open_is_looked_at_before_the_next_attempt(void) {
-    static const lode_criterion_t failed[] = {LODE_CRITERION_PROOF, LODE_CRITERION_OPEN_PHASE};
-    for (int n = 0; n < 2; n++) {
+    for (int n = 0; n < 4; n++) {
+        const bool open = n % 2 == 1;
         rig_t rig = fresh();
         run_up(&rig, 80.0, 8.0);
-        TEST_ASSERT_TRUE(lode_mode_try_again(&rig.drive, failed[n], 0.0f, 0.0f));
-        rig.motor.omega = 0.0;
-        TEST_ASSERT_EQUAL_INT(n * 6 * PULSE_PERIODS, driven_before(&rig, false, true));
-        rig_expect(&rig, LODE_MODE_START);
+        lode_fault_t why = {.criterion = (uint_least8_t)LODE_CRITERION_PROOF, .measured = 2.0f};
+        why.criterion = open ? (uint_least8_t)LODE_CRITERION_OPEN_PHASE : why.criterion;
+        lode_mode_end_attempt(&rig.drive, &why, 1u, 0u);
+        rig.motor.omega = n < 2 ? 0.0 : 30.0; // slower than a rotor that is caught
+        TEST_ASSERT_EQUAL_INT(n == 1 ? 6 * PULSE_PERIODS : 0, driven_before(&rig, false, true));
+        rig_expect(&rig, n == 3 ? LODE_MODE_FAULT : LODE_MODE_START);
+        if (n == 3) {
+            const lode_fault_t fault = rig_telemetry(&rig).fault;
+            TEST_ASSERT_EQUAL_STRING("LODE_CHECK_OPEN_PHASE", lode_check_name(fault.check));
+            CHECK_NEAR(0.0, 2.0, fault.measured);
+            CHECK_NEAR(0.0, 0.0, fault.limit);
+        }
     }
 }
 
@@ -722,6 +732,26 @@ static void test_gains_are_halved_for_a_rotor_that_is_caught_again(void) {
     TEST_ASSERT_EQUAL_FLOAT(0.0f, rig.drive.state.run.fade); // not by a start's current
     TEST_ASSERT_EQUAL_UINT(1u, rig_telemetry(&rig).retries);
     TEST_ASSERT_TRUE(rig_telemetry(&rig).gains_halved);
+}
+
+/// (K41): a suspected phase gives a lock that is lost before the proof its name, if it can be checked before the next attempt.
+static void test_a_lost_lock_before_the_proof_is_that_of_a_suspected_phase(void) {
+    for (int phase = 0; phase < 2 * LODE_PHASES; phase++) {
+        const bool checked = phase < LODE_PHASES;
+        rig_t rig = checked ? fresh() : handed_over();
+        run_up(&rig, 80.0, 8.0);
+        for (int n = 0; n < 1000 && rig.drive.mode == (uint_least8_t)LODE_MODE_RUN; n++) {
+            rig.drive.state.run.waves = (lode_half_waves_t){.lacks = {0u}};
+            rig.drive.state.run.waves.lacks[phase % LODE_PHASES] = 5000u;
+            (void)steps_until_off(&rig, 0.3f, 1.0f, 1);
+        }
+        const lode_fault_t why = rig_telemetry(&rig).fault;
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, why.check);
+        TEST_ASSERT_EQUAL_STRING(checked ? "LODE_CRITERION_OPEN_PHASE" : "LODE_CRITERION_PROOF",
+                                 lode_criterion_name((lode_criterion_t)why.criterion));
+        CHECK_NEAR(1.0e-6, checked ? phase + 1.0 : 0.3, why.measured);
+        CHECK_NEAR(0.0, checked ? 0.0 : 0.5, why.limit);
+    }
 }
 
 /// (S28). What the attempts before have used up is gone; after a commanded OFF and in a reversal it is another start.
@@ -1341,6 +1371,7 @@ int main(void) {
     RUN_TEST(test_a_lock_lost_right_after_the_hand_over_is_an_attempt);
     RUN_TEST(test_gains_are_halved_until_the_drive_is_off);
     RUN_TEST(test_a_start_that_is_given_up_is_over);
+    RUN_TEST(test_a_lost_lock_before_the_proof_is_that_of_a_suspected_phase);
     RUN_TEST(test_a_phase_that_seemed_open_is_looked_at_before_the_next_attempt);
     RUN_TEST(test_gains_are_halved_for_a_rotor_that_is_caught_again);
     RUN_TEST(test_all_attempts_of_a_start_have_one_time);

@@ -112,6 +112,11 @@ static inline float lode_speed_calm(const lode_speed_t *self) {
     return self->calmed == 0u ? 1.0f : (self->calmed == 1u ? LODE_SPEED_CALM : twice);
 }
 
+/// `calmed` after a further halving.
+static inline uint_least8_t lode_speed_calmer(uint_least8_t calmed) {
+    return calmed == 0u ? 1u : 2u;
+}
+
 /// Fills every zero field that has a default. `injects`: the drive uses injection and holds the rotor at standstill
 /// too.
 void lode_speed_design(lode_speed_config_t *config, const lode_inverter_config_t *inverter,

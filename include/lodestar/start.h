@@ -209,8 +209,8 @@ typedef struct {
 #define LODE_START_SHIFT_MAX_rad 0.42f
 
 /// True if the EMF exceeds the errors of the drop across the resistance at a speed at which a hand-over is
-/// possible, up to half of rated and base speed (S27). False: how well starts and low speeds work
-/// depends on how exactly current sensors and resistance are known. `config` has been completed by lode_start_design().
+/// possible, up to half of rated and base speed (S27). False: how well starts and low speeds work depends on how exactly
+/// current sensors and resistance are known. `config` has been completed by lode_start_design().
 bool lode_start_has_emf(const lode_start_config_t *config, const lode_inverter_config_t *inverter,
                         const lode_motor_t *motor);
 

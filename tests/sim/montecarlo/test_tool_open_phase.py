@@ -4,7 +4,7 @@ import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "support"))
-from tool import FULL, Checks, Folder
+from tool import FULL, SOURCE, Checks, Folder
 
 
 def campaign(checks, folder):
@@ -29,6 +29,23 @@ def goes_on(checks, folder):
     checks.equal(done.returncode, 0, f"what goes on drives on: {done.stdout}")
 
 
+def before_the_proof(checks, folder):
+    """A wire that breaks 0.1 s after the hand-over: the gates go off at once, and the next attempt names it."""
+    for name, rpm, load_Nm in [("jiang2022", 600, 1.5), ("traction_100kW", 1000, 20), ("compressor_310V", 900, 0.6)]:
+        def run(duration_s, wire):
+            folder.write("b.ini", f"[scenario]\nmotor = {SOURCE}/sim/data/motors/{name}.ini\ndrive = {SOURCE}/sim/data/drives/{name}.ini\n"
+                                  f"[phase.start]\nduration_s = {duration_s}\nspeed_rpm = {rpm}\nload_Nm = {load_Nm}\n{wire}")
+            folder.run("run", "b.ini", "--json", "b.json", "--set", "plant.load_kind=passive", "--set", "plant.i_noise_share=0.003")
+            return folder.json("b.json")
+
+        broken_s = run(5, "")["handover_s"] + 0.1
+        for phase in "abc":
+            result = run(broken_s, f"[phase.broken]\nduration_s = 3\nopen_phase = {phase}1\n")
+            off = [event["t_s"] for event in result["events"] if event["text"] in ("RUN -> OFF", "RUN -> FAULT")]
+            checks.true(off and off[0] - broken_s <= 0.05, f"{name} {phase}: gates off, {result['events']}")
+            checks.true(result["fault"] and result["fault"]["check"] == "LODE_CHECK_OPEN_PHASE", f"{name} {phase}: {result['events']}")
+
+
 def nothing_looks(checks, folder):
     none = folder.run("monte-carlo", "open-phase", "--motors", "jiang2022", "--n", 8, "--set", "guard.plausibility=off")
     checks.equal(none.returncode, 1, "exit code")
@@ -41,6 +58,7 @@ def main():
     with Folder() as folder:
         campaign(checks, folder)
         goes_on(checks, folder)
+        before_the_proof(checks, folder)
         nothing_looks(checks, folder)
     checks.done()
 
