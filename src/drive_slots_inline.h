@@ -17,15 +17,15 @@
 #define HAND_BACK_SHARE 1.15f
 #define SOUND_LOCK 0.9f // the EMF is off by less than 8 %
 
-// One round less until the start counts as proven.
+// One round less until the start counts as proven, once the rotor turns as commanded.
 LODE_INLINE void lode_drive_count_proof(lode_drive_t *self) {
 #ifdef LODE_WITHOUT_HANDOVER_RETRY
     (void)self;
 #else
     const uint32_t proving = self->state.run.proving;
-    const float commanded = self->estimator.pll.omega_rad_s * self->command.speed_rad_s;
+    const float along = self->estimator.pll.omega_rad_s * self->command.speed_rad_s;
     if (proving == LODE_PROVING_ENDLESS) {
-        const bool turns = commanded >= 0.0f; // as commanded
+        const bool turns = along >= 0.0f; // as commanded
         self->state.run.proving =
             turns ? self->tuning->start.patience_rounds : LODE_PROVING_ENDLESS;
     } else if (proving > 0u) {

@@ -354,12 +354,12 @@ LODE_NOINLINE bool lode_drive_wait_jump(lode_drive_t *self) {
     return self->gates;
 }
 
-// Goes to FAULT if `phase` is open; 0: none is.
-static bool phases_ok(lode_drive_t *self, uint_least8_t phase) {
+// Goes to FAULT if a phase, counted from 1, is open; 0: none is.
+static bool trips_open(lode_drive_t *self, uint_least8_t phase) {
     if (phase > 0u) {
         lode_mode_fault(self, LODE_CHECK_OPEN_PHASE, (float)phase, 0.0f);
     }
-    return phase == 0u;
+    return phase > 0u;
 }
 
 LODE_NOINLINE bool lode_drive_note_waves(lode_drive_t *self, const int32_t i[LODE_PHASES]) {
@@ -368,9 +368,9 @@ LODE_NOINLINE bool lode_drive_note_waves(lode_drive_t *self, const int32_t i[LOD
     if (!lode_plausibility_has_waves(&tuning->plausibility)) {
         return true;
     }
-    return phases_ok(self, lode_waves_step(&start->seen.turn.waves, &tuning->plausibility, i,
-                                           self->ref_A.d * self->ref_A.d,
-                                           rounds_s(self, 1u) * start->omega_rad_s));
+    return !trips_open(self, lode_waves_step(&start->seen.turn.waves, &tuning->plausibility, i,
+                                             self->ref_A.d * self->ref_A.d,
+                                             rounds_s(self, 1u) * start->omega_rad_s));
 }
 
 // The voltage is not used up, so current control does not lag for want of it.
@@ -388,7 +388,7 @@ static bool shows_half_waves(const lode_drive_t *self) {
     return known && !lode_mode_is_sensored(self) && !(self->state.run.fade > 0.0f);
 }
 
-// False: the gates are off.
+// False: the gates are off, in FAULT or for another attempt of a start.
 static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
     lode_half_waves_t *waves = &self->state.run.waves;
     if (!shows_half_waves(self)) {
@@ -417,7 +417,7 @@ static LODE_NOINLINE bool judge_half_waves(lode_drive_t *self) {
         return false;
     }
 #endif
-    return phases_ok(self, open);
+    return !trips_open(self, open);
 }
 
 // The control error takes the place of the xy plane's current of six phases (K25).
@@ -455,7 +455,7 @@ LODE_NOINLINE bool lode_drive_watch_control(lode_drive_t *self) {
     if (rounds_s(self, off) < (float)OFF_UP * OFF_s) {
         return true;
     }
-    if (phases_ok(self, lode_half_waves_suspect(&run->waves))) {
+    if (!trips_open(self, lode_half_waves_suspect(&run->waves))) {
         lode_mode_fault(self, LODE_CHECK_CURRENT_CONTROL, lode_sqrt(far_A2), lode_sqrt(most_A2));
     }
     return false;
@@ -691,6 +691,7 @@ bool lode_drive_watch_half_waves(lode_drive_t *self) {
 
 #endif
 
+// The order matters: what is about to trip is first an attempt that has failed, else a rotor to look for, else an open phase.
 LODE_NOINLINE void lode_drive_check_slow(lode_drive_t *self) {
     const lode_situation_t now = {self->mode, lode_mode(self) == LODE_MODE_RUN};
     lode_guard_check_slow(&self->guard, &self->tuning->guard, lode_drive_condition(self), now);

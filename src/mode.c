@@ -60,7 +60,7 @@ LODE_NOINLINE lode_fault_t lode_mode_unmet(const lode_drive_t *self) {
 void lode_mode_reset_guard(lode_drive_t *self) {
     const lode_fault_t last = self->guard.fault;
     lode_guard_reset(&self->guard);
-    if (self->losses > 0u) {
+    if (lode_mode_retries(self)) {
         self->guard.fault = last;
     }
 }
@@ -75,12 +75,13 @@ LODE_NOINLINE void lode_mode_end_attempt(lode_drive_t *self, const lode_fault_t 
     self->calm = (uint_least8_t)calm;
 }
 
-// Ends an attempt that RUN has not proven yet; the start begins again (S28). False: there is none, or it was the last one.
+// Ends an attempt that RUN has not proven yet; the start begins again (S28). False: there is none, it was the last one, or an
+// encoder gives the angle.
 static bool try_again(lode_drive_t *self, lode_criterion_t criterion, float measured, float limit) {
-    // Another attempt would have the same sensor. The coarse speed of Hall switches may contradict the EMF for a moment only.
-    const bool same = lode_mode_is_sensored(self) && !self->edges;
+    // An encoder would be as wrong in the next attempt. (The coarse speed of Hall switches contradicts the EMF for a moment only.)
+    const bool by_encoder = lode_mode_is_sensored(self) && !self->edges;
     const lode_running_t *run = &self->state.run;
-    if (run->proving == 0u || same || self->losses >= LODE_START_LOSSES_MAX) {
+    if (run->proving == 0u || by_encoder || self->losses >= LODE_START_LOSSES_MAX) {
         return false;
     }
     const lode_fault_t why = {.state = self->mode,
@@ -141,6 +142,10 @@ LODE_NOINLINE void lode_mode_fault(lode_drive_t *self, lode_check_t check, float
     lode_mode_obey_guard(self);
 }
 
+static void trip_memory(lode_drive_t *self, lode_memory_t corrupted) {
+    lode_mode_fault(self, LODE_CHECK_MEMORY, (float)corrupted, 0.0f);
+}
+
 LODE_NOINLINE void lode_mode_distrust(lode_drive_t *self) {
     const bool mode =
         ((uint32_t)self->mode ^ (uint32_t)self->mode_not) == MODE_BITS && lode_mode_fits(self);
@@ -153,7 +158,8 @@ LODE_NOINLINE void lode_mode_distrust(lode_drive_t *self) {
     self->command = (lode_order_t){.mode = (uint_least8_t)LODE_MODE_OFF};
     self->command.check = lode_mode_order_check(&self->command);
     self->direction = lode_sign(self->direction);
-    lode_mode_fault(self, LODE_CHECK_MEMORY, !command ? 2.0f : (!mode ? 1.0f : 3.0f), 0.0f);
+    const lode_memory_t other = mode ? LODE_MEMORY_TUNING : LODE_MEMORY_MODE;
+    trip_memory(self, command ? other : LODE_MEMORY_COMMAND);
 }
 
 // Not LODE_RAMFUNC, like the check that follows: small fast memories have no room for it.
@@ -161,7 +167,7 @@ LODE_NOINLINE bool lode_mode_motion_ok(lode_drive_t *self) {
     if (lode_estimator_motion_ok(&self->estimator, &self->tuning->estimator)) {
         return true;
     }
-    lode_mode_fault(self, LODE_CHECK_MEMORY, 4.0f, 0.0f);
+    trip_memory(self, LODE_MEMORY_ESTIMATE);
     return false;
 }
 
@@ -177,11 +183,11 @@ static bool limits_are_sound(const lode_drive_t *self) {
 
 LODE_NOINLINE bool lode_mode_speed_ok(lode_drive_t *self) {
     if (!limits_are_sound(self)) {
-        lode_mode_fault(self, LODE_CHECK_MEMORY, 6.0f, 0.0f);
+        trip_memory(self, LODE_MEMORY_TORQUE_LIMIT);
         return false;
     }
     if (!lode_speed_is_whole(&self->state.run.speed)) {
-        lode_mode_fault(self, LODE_CHECK_MEMORY, 5.0f, 0.0f);
+        trip_memory(self, LODE_MEMORY_SPEED_CONTROL);
         return false;
     }
     return true;
@@ -198,12 +204,12 @@ LODE_NOINLINE void lode_mode_note_trip(lode_drive_t *self, lode_ab_t i_A) {
     self->i_A = lode_park(i_A, lode_estimator_rotor(&self->estimator));
 }
 
-// A start goes on with the attempt after those that failed, in the time that is left. Without such attempts it is a new one.
-static void count_start(lode_drive_t *self) {
+// The start goes on with the attempt after those that failed, in the time that is left. Without such attempts it is a new one.
+static void take_up_attempts(lode_drive_t *self) {
 #ifdef LODE_WITHOUT_HANDOVER_RETRY
     self->start_rounds = 0u;
 #else
-    self->start_rounds = self->losses == 0u ? 0u : self->start_rounds;
+    self->start_rounds = lode_mode_retries(self) ? self->start_rounds : 0u;
     self->state.start.failed = self->losses;
 #endif
 }
@@ -229,7 +235,7 @@ void lode_mode_switch_on(lode_drive_t *self, lode_mode_t mode) {
     lode_mode_take_q_axis(self);
     lode_current_reset(&self->current, (lode_dq_t){0.0f, 0.0f}, (lode_dq_t){0.0f, 0.0f});
     lode_start_begin(&self->state.start, &tuning->start);
-    count_start(self);
+    take_up_attempts(self);
 #ifndef LODE_WITHOUT_COMMISSIONING
     if (mode != LODE_MODE_START) {
         self->state.theta_rad = self->command.theta_rad; // shares its memory with the start
@@ -265,7 +271,7 @@ void lode_mode_run_at_once(lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const lode_estimator_t *estimator = &self->estimator;
     const float omega = estimator->pll.omega_rad_s;
-    lode_running_t *run = &self->state.run; // overwrites the start's state
+    lode_running_t *run = &self->state.run; // from here on, state.start is gone
     lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, 0.0f,
                      lode_estimator_load_torque_Nm(estimator, &tuning->estimator),
                      lode_references_most_Nm(&tuning->references));
@@ -273,7 +279,7 @@ void lode_mode_run_at_once(lode_drive_t *self) {
     run->fade = 0.0f;
     run->id_A = 0.0f;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
-    run->proving = 0u;
+    run->proving = 0u; // nothing to prove with injection; a flying start sets it
 #endif
     begin_counts(self);
     lode_references_reset(&run->references, self->i_A.d);
@@ -400,7 +406,7 @@ void lode_mode_hand_over(lode_drive_t *self) {
     self->losses = self->state.start.failed;
     const bool caught = lode_start_catches(&self->state.start);
 #endif
-    lode_running_t *run = &self->state.run; // overwrites the start's state
+    lode_running_t *run = &self->state.run; // from here on, state.start is gone
     lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, torque,
                      lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator),
                      lode_references_most_Nm(&tuning->references));
@@ -451,7 +457,7 @@ LODE_NOINLINE void lode_mode_hand_back(lode_drive_t *self) {
     self->guard.speed = 0u; // of RUN; (S34) and (S36) count with them
     lode_start_reset(&self->state.start, lode_angle_add(rotor, ahead), omega, current_A);
     lode_start_settle(&self->state.start, &tuning->start, e_V);
-    count_start(self);
+    take_up_attempts(self);
     lode_mode_take_q_axis(self);
     lode_current_reset(&self->current, in_frame(held_V, ahead), (lode_dq_t){0.0f, 0.0f});
     lode_mode_set(self, LODE_MODE_START);
@@ -462,7 +468,7 @@ void lode_mode_follow(lode_drive_t *self) {
     const lode_slot_t slot = lode_slot_of(self->steps);
 #ifndef LODE_WITHOUT_PLAUSIBILITY
     if (starts && (slot == SLOT_GUARD || slot == SLOT_GUARD_2)) {
-        return; // the guard's slots are long: saves 17 cycles of a start's worst case
+        return; // the guard's slots are long: saves 17 cycles of a start's worst case. The other slots check and follow
     }
 #endif
     if (!lode_mode_is_sound(self) || (!starts && !lode_mode_fits(self))) {

@@ -8,7 +8,7 @@
 // amplifier takes to settle.
 #define DUTY_PRECHARGE 0.8f
 
-// The commanded mode if it has all gates on, else OFF.
+// The mode to which the command leads from OFF: START for RUN (with speed 0 only where the rotor can be held at rest).
 static lode_mode_t driven_mode(const lode_drive_t *self) {
     const lode_mode_t wanted = (lode_mode_t)self->command.mode;
     const bool at_rest = lode_mode_finds_at_rest(self) || lode_mode_is_sensored(self);
@@ -18,11 +18,20 @@ static lode_mode_t driven_mode(const lode_drive_t *self) {
     return lode_mode_is_commissioning(wanted) ? wanted : LODE_MODE_OFF;
 }
 
+#ifndef LODE_WITHOUT_PRECHARGE
+
 // The attempt before has ended because a phase seemed to be open.
 static bool seemed_open(const lode_drive_t *self) {
-    return self->losses > 0u &&
+    return lode_mode_retries(self) &&
            self->guard.fault.criterion == (uint_least8_t)LODE_CRITERION_OPEN_PHASE;
 }
+
+// Bridge and sensors are to be checked. Another attempt relies on the first one's check, unless a phase has seemed open since.
+static bool check_is_due(const lode_drive_t *self) {
+    return !lode_mode_retries(self) || seemed_open(self);
+}
+
+#endif
 
 // The low sides switch on with their duties, one period later. False: PRECHARGE is not needed.
 static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
@@ -32,26 +41,25 @@ static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
     return false;
 #else
     const lode_drive_tuning_t *tuning = self->tuning;
-    // Another attempt relies on what the first one has found, unless a phase has seemed open since.
-    if (driven == LODE_MODE_START && (self->losses == 0u || seemed_open(self))) {
+    if (driven == LODE_MODE_START && check_is_due(self)) {
         self->known = (uint_least8_t)(self->known & (uint32_t)LODE_KNOWN_OFFSETS);
     }
     bool flies = false;
-    bool tries = false; // the check without low-side pulses, which would show a rotor that turns
+    bool only_checks = false; // no low-side pulses show a rotor that turns: the check itself does
 #ifndef LODE_WITHOUT_FLYING_START
     flies = driven == LODE_MODE_START && tuning->fly.share_first > 0.0f;
 #else
     (void)driven;
 #endif
 #ifndef LODE_WITHOUT_SIGNAL_CHECK
-    tries = driven == LODE_MODE_START && tuning->signal_check.pulses > 0u && !flies;
+    only_checks = driven == LODE_MODE_START && tuning->signal_check.pulses > 0u && !flies;
 #endif
-    if (tuning->inverter.precharge_periods == 0u && !flies && !tries) {
+    if (tuning->inverter.precharge_periods == 0u && !flies && !only_checks) {
         return false;
     }
     self->state.precharge = (lode_precharge_t){
         .part = (uint_least8_t)(flies ? LODE_PRECHARGE_PULSES : LODE_PRECHARGE_CHARGE),
-        .rests = (uint_least8_t)(tries ? 1u : 0u)};
+        .rests = (uint_least8_t)(only_checks ? 1u : 0u)};
     // These act when the low sides switch on: a board may do so at once.
     lode_mode_set_duties(self, flies ? 1.0f : lode_min(DUTY_PRECHARGE, tuning->sense.duty_max));
     lode_mode_reset_guard(self);
@@ -122,7 +130,7 @@ static LODE_NOINLINE void fly_on(lode_drive_t *self, lode_ab_t i_A) {
     lode_fly_step(&self->state.precharge.by.fly, &tuning->fly, i_A, &given);
 }
 
-// The low-side pulses of a flying start. False: they are over, or not needed.
+// The low-side pulses of a flying start. True: the period is theirs, and RUN may have begun.
 static LODE_NOINLINE bool follow_flight(lode_drive_t *self, const lode_sample_t *sample) {
     lode_precharge_t *precharge = &self->state.precharge;
     const lode_fly_t *fly = &precharge->by.fly;
@@ -148,16 +156,15 @@ static LODE_NOINLINE bool follow_flight(lode_drive_t *self, const lode_sample_t 
 
 #ifndef LODE_WITHOUT_SIGNAL_CHECK
 
-// One period of the check of bridge and sensors. False: it is over, or not needed. Another attempt relies on the first one's,
-// unless a phase has seemed open since.
+// One period of the check of bridge and sensors. True: the period is its own, and it may have tripped.
 static LODE_NOINLINE bool check_signals(lode_drive_t *self, const lode_sample_t *sample) {
     const lode_drive_tuning_t *tuning = self->tuning;
     lode_precharge_t *precharge = &self->state.precharge;
     lode_signal_check_t *check = &precharge->by.check;
     if (precharge->part != (uint_least8_t)LODE_PRECHARGE_CHECK) {
-        const bool due = self->losses == 0u || seemed_open(self);
         precharge->part = (uint_least8_t)LODE_PRECHARGE_CHECK;
-        lode_signal_check_begin(check, &tuning->signal_check, precharge->rests > 0u && due);
+        lode_signal_check_begin(check, &tuning->signal_check,
+                                precharge->rests > 0u && check_is_due(self));
     }
     if (!lode_signal_check_goes_on(check, &tuning->signal_check)) {
         return false;
@@ -276,15 +283,16 @@ void lode_mode_idle(lode_drive_t *self, lode_words_t tuning, const lode_sample_t
         break;
 #endif
     case LODE_MODE_FAULT:
-    case LODE_MODE_VOLTAGE: // these have the gates on
-    case LODE_MODE_CURRENT:
-    case LODE_MODE_START:
-    case LODE_MODE_RUN:
-    default:
         if (lode_mode_clears_fault(self)) {
             lode_guard_reset(&self->guard);
             lode_mode_switch_off(self);
         }
+        break;
+    case LODE_MODE_VOLTAGE: // these have the gates on and do not come here
+    case LODE_MODE_CURRENT:
+    case LODE_MODE_START:
+    case LODE_MODE_RUN:
+    default:
         break;
     }
     lode_mode_count_sensor(self);

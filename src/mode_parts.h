@@ -35,6 +35,11 @@ static inline bool lode_mode_loses_lock(const lode_drive_t *self) {
     return LOST_PARTS * (uint32_t)self->guard.lock >= least;
 }
 
+// With the gates off: attempts of this start have failed, and another one follows.
+static inline bool lode_mode_retries(const lode_drive_t *self) {
+    return self->losses > 0u;
+}
+
 static inline void lode_mode_set_duties(lode_drive_t *self, float duty) {
     self->duty = (lode_abc_t){duty, duty, duty};
 }

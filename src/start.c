@@ -163,15 +163,15 @@ static bool slips(const lode_start_t *self, const lode_start_tuning_t *tuning) {
 void lode_start_note_slip(lode_start_t *self, const lode_start_tuning_t *tuning,
                           const lode_estimator_t *estimator,
                           const lode_estimator_tuning_t *estimator_tuning) {
-    const float vector = lode_sign(self->omega_target) * self->omega_rad_s;
+    const float vector_rad_s = lode_sign(self->omega_target) * self->omega_rad_s;
     const float left = 1.0f - SLIP_LOST * tuning->lost_per_A * self->current_A;
-    if (!(vector >= tuning->omega_ready && left >= SLIP_FLUX)) {
+    if (!(vector_rad_s >= tuning->omega_ready && left >= SLIP_FLUX)) {
         return;
     }
     // Undoes the observer's attenuation of an EMF that turns with the vector.
-    const float taken = lode_estimator_droop(estimator_tuning, vector);
+    const float taken = lode_estimator_droop(estimator_tuning, vector_rad_s);
     const float emf_V = taken * lode_ab_length(estimator->emf.observer.e_V);
-    if (!(emf_V >= SLIP_SHARE * left * vector * estimator_tuning->psi_Wb)) {
+    if (!(emf_V >= SLIP_SHARE * left * vector_rad_s * estimator_tuning->psi_Wb)) {
         self->slips = (uint_least16_t)(self->slips < SLIPS_MAX ? self->slips + 1u : SLIPS_MAX);
     } else if (self->slips > 0u) {
         self->slips--;
@@ -270,6 +270,7 @@ static LODE_NOINLINE void end_dwell(lode_start_t *self, const lode_start_tuning_
     } else if (known || self->stage == (uint_least8_t)LODE_START_FULL) {
         rest->sum_V = mean_V;
         rest->weight = weight;
+        // Not by enter(): both means are still needed.
         self->stage = (uint_least8_t)LODE_START_FOUND;
     } else {
         enter(self, last_stage(tuning));
@@ -479,16 +480,16 @@ LODE_NOINLINE lode_start_unmet_t lode_start_unmet(const lode_start_t *self,
     if (self->stage != (uint_least8_t)LODE_START_TURN) {
         return unmet_at_rest(self, tuning, round_s);
     }
-    const float vector = lode_sign(self->omega_target) * self->omega_rad_s;
-    if (!(vector >= tuning->omega_ready)) {
-        return unmet(LODE_CRITERION_RAMP, vector, tuning->omega_ready);
+    const float vector_rad_s = lode_sign(self->omega_target) * self->omega_rad_s;
+    if (!(vector_rad_s >= tuning->omega_ready)) {
+        return unmet(LODE_CRITERION_RAMP, vector_rad_s, tuning->omega_ready);
     }
     const float omega = estimator->pll.omega_rad_s;
     // (S39), with the observer's attenuation undone.
     const float taken = lode_estimator_droop(estimator_tuning, omega);
     const float emf_V = taken * lode_ab_length(estimator->emf.observer.e_V);
-    const float least_V = (1.0f - LODE_START_LOST_MAX) * (1.0f - LODE_START_TOLERANCE) * vector *
-                          estimator_tuning->psi_Wb;
+    const float least_V = (1.0f - LODE_START_LOST_MAX) * (1.0f - LODE_START_TOLERANCE) *
+                          vector_rad_s * estimator_tuning->psi_Wb;
     if (!(emf_V >= least_V)) {
         return unmet(LODE_CRITERION_EMF, emf_V, least_V);
     }

@@ -245,8 +245,10 @@ typedef struct {
     uint_least8_t mode;     ///< lode_mode_t
     uint_least8_t mode_not; ///< complement of `mode`, to detect a changed bit
     uint_least8_t omitted;  ///< phases whose next two samples are unusable, two bits per sample
-    uint_least8_t losses;   ///< failed attempts and lost rotors, as lode_telemetry_t.retries
-    uint_least8_t calm;     ///< how often the next RUN has its gains halved (K48), (K51)
+    /// failed attempts of the start that goes on (START itself counts in state.start.failed), or lost rotors that injection has
+    /// looked for; both are lode_telemetry_t.retries
+    uint_least8_t losses;
+    uint_least8_t calm;         ///< how often the next RUN has its gains halved (K48), (K51)
     uint_least16_t temperature; ///< ADC count of the hotter power stage
     lode_sense_t sense;
     lode_guard_t guard;

@@ -34,9 +34,7 @@ typedef enum {
     LODE_CHECK_CURRENT_STUCK,
     LODE_CHECK_CURRENT_SUM,       ///< sum of the three phase currents, A
     LODE_CHECK_UNDER_TEMPERATURE, ///< power stage, degC: the sensor is open or shorted
-    /// what was corrupted: 1 the mode, 2 the command, 3 the tuning, 4 speed or load of the estimate, 5 speed
-    /// control's integral or ramped reference, 6 the limit of the torque
-    LODE_CHECK_MEMORY,
+    LODE_CHECK_MEMORY,            ///< what was corrupted: lode_memory_t
     /// power stage, degC: its ADC count has not changed for the time `limit`, s
     LODE_CHECK_TEMPERATURE_STUCK,
     /// bus voltage, V: its ADC count has not changed for the time `limit`, s, although the EMF shows that the bus
@@ -62,6 +60,16 @@ typedef enum {
     LODE_CHECK_CURRENT_CONTROL,
     LODE_CHECK_COUNT
 } lode_check_t;
+
+/// What LODE_CHECK_MEMORY has found corrupted, as `measured`.
+typedef enum {
+    LODE_MEMORY_MODE = 1,      ///< the mode, or a flag or the direction that goes with it
+    LODE_MEMORY_COMMAND,       ///< or its mailbox flag
+    LODE_MEMORY_TUNING,        ///< a word of its structure
+    LODE_MEMORY_ESTIMATE,      ///< its speed or load
+    LODE_MEMORY_SPEED_CONTROL, ///< its integral or its ramped reference
+    LODE_MEMORY_TORQUE_LIMIT   ///< that of lode_drive_limit_torque(); it has to be set again
+} lode_memory_t;
 
 /// The enumerator's name, for logs.
 const char *lode_check_name(lode_check_t check);
