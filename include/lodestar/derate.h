@@ -4,6 +4,9 @@
 ///     lode_telemetry_t now;
 ///     (void)lode_drive_telemetry(&drive, &now);
 ///     lode_drive_limit_torque(&drive, lode_derate_step(&derate, &derate_tuning, &now, 0.1f));
+///
+/// The last limit given to the drive counts. With supply.h as well, give the smaller share of each direction to
+/// lode_drive_limit_torques().
 #ifndef LODESTAR_DERATE_H
 #define LODESTAR_DERATE_H
 

@@ -7,6 +7,8 @@
 ///     const lode_shares_t share = lode_supply_step(&supply, &supply_tuning, &now, i_A, 1.0e-3f);
 ///     lode_drive_limit_torques(&drive, share.motoring, share.braking);
 ///
+/// The last limits given to the drive count: with derate.h as well, give the smaller share of each direction.
+///
 /// Equations (L1)-(L4), (L8): docs/theory/control.md.
 #ifndef LODESTAR_SUPPLY_H
 #define LODESTAR_SUPPLY_H

@@ -111,6 +111,12 @@ typedef struct {
     double correct_s;
 } rig_supply_t;
 
+/// Derating by heat (lode_derate_config_t); all unset: none.
+typedef struct {
+    double i_continuous_A, winding_s, from_degC, to_degC;
+    double heat; ///< of the winding at the start, over that of i_continuous_A; unset: 0
+} rig_derate_t;
+
 /// Brake chopper (lode_chopper_config_t); unset: none.
 typedef struct {
     double on_V, full_V, R_Ohm, power_W, thermal_s;
@@ -167,7 +173,7 @@ typedef struct {
     double theta_deg, omega_rad_s;
     // Bars: limits that the phase must keep.
     double bar_dc_deg, bar_pp_deg, bar_error_deg, bar_speed_rpm, bar_torque_Nm, bar_Lq_percent;
-    double bar_battery_A, bar_regen_A, bar_v_bus_V;
+    double bar_battery_A, bar_regen_A, bar_v_bus_V, bar_heat;
     int end_mode; ///< -1: any but a fault
 } rig_phase_t;
 
@@ -205,6 +211,7 @@ typedef struct {
     rig_adaptation_t adaptation;
     rig_supervisor_t supervisor;
     rig_supply_t supply;
+    rig_derate_t derate;
     rig_chopper_t chopper;
     int emf;
     rig_pll_t pll;

@@ -234,6 +234,12 @@ static const rig_key_t keys[] = {
     NUMBER_OR("supply", "regen_A", supply.regen_A, 0.0, 1e5, "none"),
     NUMBER("supply", "correct_s", supply.correct_s, 1e-3, 100.0),
 
+    NUMBER("derate", "i_continuous_A", derate.i_continuous_A, 1e-3, 1e5),
+    NUMBER("derate", "winding_s", derate.winding_s, 0.1, 1e5),
+    NUMBER("derate", "from_degC", derate.from_degC, -100.0, 300.0),
+    NUMBER("derate", "to_degC", derate.to_degC, -40.0, 300.0),
+    NUMBER("derate", "heat", derate.heat, 0.0, 4.0),
+
     NUMBER("chopper", "on_V", chopper.on_V, 1.0, 2e3),
     NUMBER("chopper", "full_V", chopper.full_V, 1.0, 4e3),
     NUMBER("chopper", "R_Ohm", chopper.R_Ohm, 1e-3, 1e5),
@@ -354,6 +360,7 @@ static const rig_key_t phase_keys[] = {
     PHASE_NUMBER("bar_battery_A", bar_battery_A, 0.0, 1e6),
     PHASE_NUMBER("bar_regen_A", bar_regen_A, 0.0, 1e6),
     PHASE_NUMBER("bar_v_bus_V", bar_v_bus_V, 0.0, 1e5),
+    PHASE_NUMBER("bar_heat", bar_heat, 0.0, 4.0),
     PHASE_CHOICE("end_mode", end_mode, "off|calibrate|voltage|current|start|run|fault"),
 };
 

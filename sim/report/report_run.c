@@ -69,6 +69,12 @@ static void print_phase(FILE *file, const runner_phase_t *phase) {
                       "    supply: at most %.2f A drawn, %.2f A fed back, bus at most %.1f V\n",
                       fmax(phase->battery_A, 0.0), fmax(phase->regen_A, 0.0), phase->v_bus_V);
     }
+    if (!isnan(phase->heat)) {
+        (void)fprintf(
+            file,
+            "    derating: winding at most %.2f of its continuous heat, torque down to %.0f %%\n",
+            phase->heat, 100.0 * phase->derated_share);
+    }
     if (phase->missed[0] != '\0') {
         (void)fprintf(file, "    BAR MISSED: %s\n", phase->missed);
     }
@@ -289,6 +295,8 @@ static void add_phase(cJSON *array, const runner_phase_t *phase) {
     config_json_number(item, "battery_A", phase->battery_A);
     config_json_number(item, "regen_A", phase->regen_A);
     config_json_number(item, "v_bus_max_V", phase->v_bus_V);
+    config_json_number(item, "winding_heat_max", phase->heat);
+    config_json_number(item, "derated_share_min", phase->derated_share);
     (void)cJSON_AddStringToObject(item, "mode", report_mode_name(phase->mode));
     (void)cJSON_AddStringToObject(item, "missed", phase->missed);
     (void)cJSON_AddStringToObject(item, "warning", phase->warning);

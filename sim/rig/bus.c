@@ -4,22 +4,8 @@
 
 #include "support/diag.h"
 
-#define LOOP_s 1e-3 // period of the main loop
-
 static float float_or_0(double x) {
     return isnan(x) ? 0.0f : (float)x;
-}
-
-static bool init_supply(bus_t *self, const rig_config_t *config) {
-    const rig_supply_t *given = &config->supply;
-    self->limits = !isnan(given->battery_A) || !isnan(given->regen_A);
-    const lode_supply_config_t supply = {
-        .battery_A = float_or_0(given->battery_A),
-        .regen_A = isinf(given->regen_A) ? LODE_NONE : float_or_0(given->regen_A),
-        .correct_s = float_or_0(given->correct_s),
-    };
-    lode_supply_reset(&self->supply);
-    return lode_supply_tune(&self->supply_tuning, &supply, &config->drive) == LODE_OK;
 }
 
 static bool init_chopper(bus_t *self, const rig_config_t *config) {
@@ -51,22 +37,8 @@ static bool init_chopper(bus_t *self, const rig_config_t *config) {
 }
 
 bool bus_init(bus_t *self, const rig_config_t *config) {
-    const double f_Hz = (double)config->drive.f_pwm_Hz;
-    *self = (bus_t){.every = (uint32_t)fmax(1.0, round(LOOP_s * f_Hz)),
-                    .v_bus_V_per_count = config->drive.sense.v_bus_gain_V_count};
-    self->dt_s = (float)((double)self->every / f_Hz);
-    return init_supply(self, config) && init_chopper(self, config);
-}
-
-void bus_limit(bus_t *self, lode_drive_t *drive) {
-    lode_telemetry_t now;
-    if (!self->limits || drive->steps % self->every != 0u || !lode_drive_telemetry(drive, &now)) {
-        return;
-    }
-    const float i_A = lode_supply_current_A(&self->supply_tuning, &now);
-    const lode_shares_t share =
-        lode_supply_step(&self->supply, &self->supply_tuning, &now, i_A, self->dt_s);
-    lode_drive_limit_torques(drive, share.motoring, share.braking);
+    *self = (bus_t){.v_bus_V_per_count = config->drive.sense.v_bus_gain_V_count};
+    return init_chopper(self, config);
 }
 
 double bus_chop(bus_t *self, uint16_t v_bus_count) {

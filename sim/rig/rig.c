@@ -81,7 +81,8 @@ lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_conf
     self->learning = config->drive;
     self->posts = NULL;
     self->posts6 = NULL;
-    self->bus = (bus_t){.limits = false};
+    self->limits = (limits_t){.by_supply = false};
+    self->bus = (bus_t){.chops = false};
     if (self->sets == 1) {
         self->drive = &self->three;
         begin_learning(self, config);
@@ -126,7 +127,7 @@ lode_status_t rig_retune(rig_t *self, const rig_config_t *config, const lode_mot
 void rig_main_loop(rig_t *self) {
     lode_telemetry_t now;
     const float dt_s = (float)MAIN_LOOP_PERIODS / self->learning.f_pwm_Hz;
-    bus_limit(&self->bus, self->drive);
+    limits_apply(&self->limits, self->drive);
     if (self->posts != NULL && lode_adaptation_post(&self->adaptation, &self->three, self->posts)) {
         self->posts = NULL;
     }

@@ -5,6 +5,7 @@
 #include "config/rig_config.h"
 #include "rig/bus.h"
 #include "rig/euler.h"
+#include "rig/limits.h"
 
 #include "lodestar/adaptation6.h"
 #include "lodestar/encoder.h"
@@ -51,11 +52,12 @@ typedef struct {
     /// tuning that the adaptation shall post as soon as it can; NULL: none
     const lode_drive_tuning_t *posts;
     const lode_drive6_tuning_t *posts6; ///< the same for six phases
+    limits_t limits;
     bus_t bus;
 } rig_t;
 
-/// LODE_OK, or why the library refuses `config`. plant_init() has accepted `plant`. The supply has no limits
-/// and no chopper until the caller sets `bus`.
+/// LODE_OK, or why the library refuses `config`. plant_init() has accepted `plant`. There are no limits of supply and heat
+/// and no chopper until the caller sets `limits` and `bus`.
 lode_status_t rig_init(rig_t *self, const rig_config_t *config, const plant_config_t *plant);
 
 /// From the next period on the firmware uses these motor parameters. LODE_OK, or why the library refuses them.
@@ -64,7 +66,7 @@ lode_status_t rig_retune(rig_t *self, const rig_config_t *config, const lode_mot
 /// The telemetry as that main loop has it, with the learned parameters of the motor.
 void rig_tell(const rig_t *self, lode_telemetry_t *telemetry);
 
-/// The firmware's main loop, called in every period: limits the supply's current, and learns if hfi.learn is on.
+/// The firmware's main loop, called in every period: limits the torque, and learns if hfi.learn is on.
 void rig_main_loop(rig_t *self);
 
 /// The motor's Lq at its present currents, psi_q/i_q.

@@ -16,6 +16,9 @@
 #define COLUMN_OF_ADAPTATION(name, digits)                                                         \
     { #name, offsetof(runlog_row_t, name), digits, RUNLOG_ADAPTED, false }
 
+#define COLUMN_OF_DERATING(name, digits)                                                           \
+    { #name, offsetof(runlog_row_t, name), digits, RUNLOG_DERATED, false }
+
 const runlog_column_t runlog_columns[] = {
     COLUMN(t_s, 12),
     COLUMN(phase, 3),
@@ -79,6 +82,8 @@ const runlog_column_t runlog_columns[] = {
     COLUMN_OF_ADAPTATION(adapted_psi_confidence, 4),
     COLUMN_OF_ADAPTATION(adapted_Rs_Ohm, 6),
     COLUMN_OF_ADAPTATION(adapted_Rs_confidence, 4),
+    COLUMN_OF_DERATING(winding_heat, 6),
+    COLUMN_OF_DERATING(derated_share, 6),
     {NULL, 0, 0, 0, false},
 };
 
@@ -119,6 +124,9 @@ void runlog_note(runlog_t *self, double t_s, const char *text) {
 bool runlog_has(const runlog_t *self, const runlog_column_t *column) {
     if (column->sets == RUNLOG_ADAPTED) {
         return self->adapts;
+    }
+    if (column->sets == RUNLOG_DERATED) {
+        return self->derates;
     }
     return (column->sets == 1 || self->sets == column->sets) && (!column->by_wave || self->by_wave);
 }

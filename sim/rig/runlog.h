@@ -43,15 +43,18 @@ typedef struct {
     double adapted_J_kgm2, adapted_J_confidence;
     double adapted_psi_Wb, adapted_psi_confidence;
     double adapted_Rs_Ohm, adapted_Rs_confidence;
+    // With derating only.
+    double winding_heat;  ///< as derating reckons it; 1: that of the continuous current
+    double derated_share; ///< of the torque, as permitted by derating
 } runlog_row_t;
 
-enum { RUNLOG_ADAPTED = 3 };
+enum { RUNLOG_ADAPTED = 3, RUNLOG_DERATED };
 
 typedef struct {
     const char *name;
     size_t offset; ///< of a double in runlog_row_t
     int digits;
-    int sets;     ///< 2: six phases only; RUNLOG_ADAPTED: with adaptation only
+    int sets;     ///< 2: six phases only; RUNLOG_ADAPTED, RUNLOG_DERATED: with that only
     bool by_wave; ///< with signal injection only
 } runlog_column_t;
 
@@ -70,7 +73,7 @@ typedef struct {
     size_t rows, capacity;
     int sets;     ///< of windings; 0 counts as 1
     bool by_wave; ///< with signal injection
-    bool adapts;
+    bool adapts, derates;
     int events;
     int events_dropped;
     runlog_event_t event[RUNLOG_EVENTS_MAX];

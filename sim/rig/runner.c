@@ -275,6 +275,11 @@ static void log_adaptation(const lode_telemetry_t *seen, runlog_row_t *row) {
     row->adapted_Rs_confidence = (double)seen->motor.Rs_Ohm.confidence;
 }
 
+static void log_derating(const limits_t *limits, runlog_row_t *row) {
+    row->winding_heat = (double)limits->derate.heat;
+    row->derated_share = (double)limits->cool;
+}
+
 static bool log_row(run_t *run, int phase, const moment_t *now) {
     lode_telemetry_t seen;
     rig_tell(&run->rig, &seen);
@@ -334,6 +339,7 @@ static bool log_row(run_t *run, int phase, const moment_t *now) {
     log_inputs(&run->rig, &row);
     log_injection(&run->rig, &seen, &row);
     log_adaptation(&seen, &row);
+    log_derating(&run->rig.limits, &row);
     return runlog_add(run->log, &row);
 }
 
@@ -485,6 +491,13 @@ static void measure_supply(run_t *run, runner_phase_t *out, const plant_truth_t 
     }
 }
 
+static void measure_derating(const limits_t *limits, runner_phase_t *out) {
+    if (limits->by_heat) {
+        out->heat = larger(out->heat, (double)limits->derate.heat);
+        out->derated_share = fmin(out->derated_share, (double)limits->cool);
+    }
+}
+
 static void measure(const run_t *run, runner_phase_t *out, const moment_t *now, bool in_window) {
     const plant_truth_t *truth = &now->at.truth;
     const lode_estimate_t *estimate = &now->at.estimate;
@@ -535,6 +548,7 @@ static void check_bars(run_t *run, const rig_phase_t *phase, runner_phase_t *out
     check_bar(out, "current out of the supply", out->battery_A, phase->bar_battery_A);
     check_bar(out, "current into the supply", out->regen_A, phase->bar_regen_A);
     check_bar(out, "bus voltage", out->v_bus_V, phase->bar_v_bus_V);
+    check_bar(out, "heat of the winding", out->heat, phase->bar_heat);
     if (phase->end_mode >= 0 && (int)out->mode != phase->end_mode) {
         const size_t used = strlen(out->missed);
         (void)snprintf(out->missed + used, sizeof out->missed - used, "%sended in %s, bar %s",
@@ -551,7 +565,8 @@ static bool is_barred(const rig_phase_t *phase) {
     return !isnan(phase->bar_dc_deg) || !isnan(phase->bar_pp_deg) || !isnan(phase->bar_error_deg) ||
            !isnan(phase->bar_speed_rpm) || !isnan(phase->bar_torque_Nm) ||
            !isnan(phase->bar_Lq_percent) || !isnan(phase->bar_battery_A) ||
-           !isnan(phase->bar_regen_A) || !isnan(phase->bar_v_bus_V) || phase->end_mode >= 0;
+           !isnan(phase->bar_regen_A) || !isnan(phase->bar_v_bus_V) || !isnan(phase->bar_heat) ||
+           phase->end_mode >= 0;
 }
 
 static void warn(runner_phase_t *out, const char *format, ...) RIG_PRINTF(2, 3);
@@ -677,9 +692,12 @@ static void check_torque(const run_t *run, runner_phase_t *out) {
     if (fabs(wanted_Nm) > most_Nm) {
         warn(out, "%g Nm not reached: %.4g Nm at the end; i_max allows %.4g Nm", wanted_Nm,
              found_Nm, most_Nm);
+    } else if (run->rig.limits.by_heat && run->rig.limits.cool < 1.0f) {
+        warn(out, "%g Nm not reached: %.4g Nm at the end; derating permits %.0f %% of the torque",
+             wanted_Nm, found_Nm, 100.0 * (double)run->rig.limits.cool);
     } else {
-        warn(out, "%g Nm not reached: %.4g Nm at the end; voltage, bus or temperature limit it",
-             wanted_Nm, found_Nm);
+        warn(out, "%g Nm not reached: %.4g Nm at the end; voltage or bus limit it", wanted_Nm,
+             found_Nm);
     }
 }
 
@@ -713,6 +731,7 @@ static bool run_period(run_t *run, int index, runner_phase_t *out, bool in_windo
     }
     measure(run, out, &now, in_window);
     measure_supply(run, out, &now.at.truth);
+    measure_derating(&run->rig.limits, out);
     const bool good = run->k % run->log_every != 0 || log_row(run, index, &now);
     run->k++;
     if (run->k % PERIODS_PER_PROGRESS == 0) {
@@ -756,6 +775,7 @@ static bool run_phase(run_t *run, int index) {
     (void)snprintf(out->name, sizeof out->name, "%s", phase->name);
     out->start_s = (double)run->k * run->ts_s;
     out->battery_A = out->regen_A = out->v_bus_V = NAN;
+    out->heat = out->derated_share = NAN;
     apply_to_plant(run, phase);
     uint64_t k = 0;
     if (good && phase->clear_fault == 1) {
@@ -882,7 +902,8 @@ static bool start(run_t *run) {
         return false;
     }
     (void)rig_init(&run->rig, run->config, &plant);
-    if (!start_reactions(run) || !bus_init(&run->rig.bus, run->config)) {
+    if (!start_reactions(run) || !limits_init(&run->rig.limits, run->config) ||
+        !bus_init(&run->rig.bus, run->config)) {
         return false;
     }
     run->looks_at_supply = plant.keeps_accounts;
@@ -891,6 +912,7 @@ static bool start(run_t *run) {
     run->log->sets = run->rig.sets;
     run->log->by_wave = run->config->drive.hfi.mode == LODE_HFI_ON;
     run->log->adapts = run->rig.adapts;
+    run->log->derates = run->rig.limits.by_heat;
     run->memory.seeded_s = isnan(run->config->seeded_s) ? 0.0 : run->config->seeded_s;
     if (euler_estimate_wanted(run->config)) {
         run->memory.euler_config = euler_estimate_config(run->config);

@@ -31,6 +31,9 @@ typedef struct {
     /// The whole phase, in any mode: the largest currents drawn from and fed into the supply, filtered with
     /// RUNNER_SUPPLY_s, and the highest bus voltage. NaN if not needed.
     double battery_A, regen_A, v_bus_V;
+    /// The whole phase, NaN without derating: the greatest heat of the winding, as the firmware reckons it, and the least share
+    /// of the torque.
+    double heat, derated_share;
     lode_mode_t mode; ///< at the end
     // At the end, NaN without hfi.learn: deviation of the learned Lq from the motor's at its currents.
     double Lq_off_percent, Lq_confidence;
