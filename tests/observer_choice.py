@@ -45,8 +45,8 @@ CAUSES = {
     "dtp": "10.1 to 10.2 degrees where a step of the load brakes the machine, for a bar of 10 that the other observers keep. The "
            "FA-LESO answers a load step with the larger error, and (K44) leaves speed control the gain for a light rotor only.",
     "zero_traction": "5.3 degrees for a bar of 5, where injection hands over to the EMF; the QPLL knows no torque.",
-    "slow_down": "3.03 to 3.8 degrees peak to peak for a bar of 3, in which the other observers stay; not looked into "
-                 "further.",
+    "slow_down": "3.03 to 3.8 degrees peak to peak for a bar of 3, in which the other observers stay; the cause is not "
+                 "known.",
 }
 ERRORS = ["steps", "servo", "traction", "drone"]  # a scenario of each three-phase motor
 MOTORS = {"steps": "jiang2022", "servo": "servo_48V", "traction": "traction_400V", "drone": "drone_900KV"}

@@ -27,6 +27,6 @@ with Folder() as folder:
     none_is_silent(checks, folder)
     if FULL:
         for place in ("a1", "b1", "c1"):
-            for load in ("0.1", "0.6", "0.9"):
+            for load in ("0.1", "0.6"):
                 none_is_silent(checks, folder, "--in", place, "--load", load, "--seed", "2")
 checks.done()
