@@ -987,6 +987,97 @@ static void test_the_frame_turns_round_and_the_vectors_stay(void) {
     CHECK_NEAR(1.0e-6, drive->u_V.q, drive->current.q.integral);
 }
 
+/// In START, with a wave whose response has settled.
+static void rig_searching(rig_t *rig) {
+    rig_at_rest(rig, 200.0 * CHECK_DEG, 0.05, 0.0f);
+    for (int n = 0; n < 2000 && !rig->drive.estimator.by.hfi.active; n++) {
+        rig_step(rig);
+    }
+    rig_run(rig, 0.01);
+    rig_expect(rig, LODE_MODE_START);
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_FIND, rig->drive.estimator.by.hfi.step);
+}
+
+/// The same, of every state.
+static void test_all_that_the_frame_carries_turns_round(void) {
+    static rig_t rig;
+    rig_searching(&rig);
+    lode_drive_t *drive = &rig.drive;
+    lode_hfi_t *hfi = &drive->estimator.by.hfi;
+    hfi->step = (uint_least8_t)LODE_HFI_WRONG;
+    drive->i_A = (lode_dq_t){1.0f, 2.0f};
+    drive->u_V = (lode_dq_t){3.0f, 4.0f};
+    drive->estimator.id_A = 5.0f;
+    hfi->i_A = (lode_dq_t){6.0f, 7.0f};
+    hfi->h_V = 8.0f;
+    hfi->q_V = 9.0f;
+    const lode_sincos_t rotor = lode_estimator_rotor(&drive->estimator);
+    TEST_ASSERT_TRUE(lode_mode_inject(drive));
+    const double seen[] = {
+        (double)drive->i_A.d,
+        (double)drive->i_A.q,
+        (double)drive->u_V.d,
+        (double)drive->u_V.q,
+        (double)drive->estimator.id_A,
+        (double)hfi->i_A.d,
+        (double)hfi->i_A.q,
+        (double)hfi->h_V,
+        (double)hfi->q_V,
+    };
+    for (int n = 0; n < 9; n++) {
+        CHECK_NEAR(1.0e-6, -(n + 1.0), seen[n]);
+    }
+    CHECK_NEAR(1.0e-6, -rotor.sin, lode_estimator_rotor(&drive->estimator).sin);
+    CHECK_NEAR(1.0e-6, -rotor.cos, lode_estimator_rotor(&drive->estimator).cos);
+    CHECK_NEAR(1.0e-6, -3.0, drive->current.d.integral);
+    CHECK_NEAR(1.0e-6, -4.0, drive->current.q.integral);
+    TEST_ASSERT_EQUAL_INT(LODE_HFI_RIGHT, hfi->step);
+}
+
+/// (H14): the loop has no speed and no acceleration while the axis is searched for.
+static void test_the_search_has_no_speed(void) {
+    static rig_t rig;
+    rig_searching(&rig);
+    lode_pll_t *pll = &rig.drive.estimator.pll;
+    pll->omega_rad_s = 1.0f;
+    pll->f_rad_s2 = 2.0f;
+    pll->rise_rad_s = 3.0f;
+    TEST_ASSERT_TRUE(lode_mode_inject(&rig.drive));
+    CHECK_NEAR(0.0, 0.0, pll->omega_rad_s);
+    CHECK_NEAR(0.0, 0.0, pll->f_rad_s2);
+    CHECK_NEAR(0.0, 0.0, pll->rise_rad_s);
+}
+
+/// (H29): only with the axis found does a wave count as one that has been seen in full.
+static void test_a_wave_on_any_axis_is_not_one_seen_in_full(void) {
+    for (int found = 0; found < 2; found++) {
+        static rig_t rig;
+        rig_searching(&rig);
+        lode_hfi_t *hfi = &rig.drive.estimator.by.hfi;
+        hfi->step = (uint_least8_t)(found ? LODE_HFI_NORTH : LODE_HFI_FIND);
+        hfi->shown = false;
+        hfi->early = 0u;
+        hfi->off_rad = 0.0f;
+        hfi->swing_V = 500.0f; // more than the wave gives
+        TEST_ASSERT_TRUE(lode_mode_inject(&rig.drive));
+        rig_expect(&rig, LODE_MODE_START);
+        TEST_ASSERT_EQUAL_INT(found, hfi->shown);
+    }
+}
+
+/// A search begins with the q axis of no current.
+static void test_a_search_takes_the_q_axis_anew(void) {
+    static rig_t rig;
+    rig_at_rest(&rig, 1.0, 0.05, 0.0f);
+    rig_run(&rig, 0.5);
+    rig_expect(&rig, LODE_MODE_RUN);
+    rig.drive.guard.lock = (uint_least16_t)rig_tuning.guard.lock_checks;
+    rig.drive.current.Lq_H *= 0.5f;
+    lode_mode_find_lost(&rig.drive);
+    rig_expect(&rig, LODE_MODE_START);
+    CHECK_NEAR(1.0e-9, rig_tuning.references.Lq_H, rig.drive.current.Lq_H);
+}
+
 /// The rotor jumps by `turn_rad` at rest.
 static void rig_jump(rig_t *rig, double turn_rad) {
     rig->motor.theta += turn_rad;
@@ -1902,6 +1993,10 @@ int main(void) {
     RUN_TEST(test_start_at_rest_from_any_angle);
     RUN_TEST(test_a_run_from_rest_begins_without_torque);
     RUN_TEST(test_the_frame_turns_round_and_the_vectors_stay);
+    RUN_TEST(test_all_that_the_frame_carries_turns_round);
+    RUN_TEST(test_the_search_has_no_speed);
+    RUN_TEST(test_a_wave_on_any_axis_is_not_one_seen_in_full);
+    RUN_TEST(test_a_search_takes_the_q_axis_anew);
     RUN_TEST(test_a_rotor_that_is_lost_is_found_again);
     RUN_TEST(test_a_rotor_that_is_lost_soon_is_found_again);
     RUN_TEST(test_a_rotor_that_is_lost_hides_no_fault);
