@@ -303,7 +303,8 @@ static void bound_command(lode_drive_t *self) {
     }
 }
 
-// What was measured beyond the configured values is less where these have come closer.
+// What was measured beyond the configured values is less where these have come closer. Where nothing was measured, the new
+// ones count as they are.
 static void keep_measured(lode_inverter_t *inverter, const lode_drive_tuning_t *before,
                           const lode_drive_tuning_t *now) {
 #ifdef LODE_WITHOUT_START_MEASUREMENT
@@ -311,6 +312,9 @@ static void keep_measured(lode_inverter_t *inverter, const lode_drive_tuning_t *
     (void)before;
     (void)now;
 #else
+    if (!(lode_abs(inverter->dead_more) + lode_abs(inverter->r_more_Ohm) > 0.0f)) {
+        return;
+    }
     const float more = now->inverter.dead_more_max;
     const float longer = now->inverter.dead_duty - before->inverter.dead_duty;
     inverter->dead_more = lode_clamp(inverter->dead_more - longer, -more, more);

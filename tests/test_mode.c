@@ -128,6 +128,24 @@ static void test_a_longer_dead_time_leaves_less_beyond_it(void) {
     CHECK_NEAR(1e-4 * (double)most, 0.5 * (double)most, rig.drive.inverter.dead_more);
 }
 
+/// Where no start has measured, other values of a tuning count as they are.
+static void test_what_was_not_measured_is_not_kept(void) {
+    rig_t rig = fresh();
+    lode_drive_tuning_t other = tuning;
+    other.inverter.dead_duty *= 1.5f;
+    other.start.R_Ohm *= 2.0f;
+    rig.drive.inverter.dead_more = 0.0f;
+    rig.drive.inverter.r_more_Ohm = 0.0f;
+    rig.drive.tuning = &other;
+    lode_mode_retune(&rig.drive, &tuning);
+    CHECK_NEAR(0.0, 0.0, rig.drive.inverter.dead_more);
+    CHECK_NEAR(0.0, 0.0, rig.drive.inverter.r_more_Ohm);
+    rig.drive.inverter.r_more_Ohm = 0.25f;
+    rig.drive.tuning = &tuning;
+    lode_mode_retune(&rig.drive, &other);
+    CHECK_NEAR(1e-6, 0.25 + (double)tuning.start.R_Ohm, rig.drive.inverter.r_more_Ohm);
+}
+
 static void test_a_lower_limit_bounds_the_speed_reference(void) {
     rig_t rig = steady(); // at 80 rad/s, 3 pole pairs
     lode_drive_tuning_t other = tuning;
@@ -202,6 +220,7 @@ int main(void) {
     RUN_TEST(test_a_vector_that_takes_the_rotor_back_begins_with_no_counts);
     RUN_TEST(test_what_the_vector_takes_over_with_the_rotor);
     RUN_TEST(test_a_longer_dead_time_leaves_less_beyond_it);
+    RUN_TEST(test_what_was_not_measured_is_not_kept);
     RUN_TEST(test_a_lower_limit_bounds_the_speed_reference);
     RUN_TEST(test_references_begin_anew_where_they_were_not_kept);
     RUN_TEST(test_a_start_follows_in_all_slots_but_the_guards);
