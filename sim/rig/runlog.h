@@ -44,7 +44,7 @@ typedef struct {
     double adapted_psi_Wb, adapted_psi_confidence;
     double adapted_Rs_Ohm, adapted_Rs_confidence;
     // With derating only.
-    double winding_heat;  ///< as derating reckons it; 1: that of the continuous current
+    double winding_heat;  ///< as derating computes it; 1: that of the continuous current
     double derated_share; ///< of the torque, as permitted by derating
 } runlog_row_t;
 

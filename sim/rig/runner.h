@@ -31,7 +31,7 @@ typedef struct {
     /// The whole phase, in any mode: the largest currents drawn from and fed into the supply, filtered with
     /// RUNNER_SUPPLY_s, and the highest bus voltage. NaN if not needed.
     double battery_A, regen_A, v_bus_V;
-    /// The whole phase, NaN without derating: the greatest heat of the winding, as the firmware reckons it, and the least share
+    /// The whole phase, NaN without derating: the greatest heat of the winding, as the firmware computes it, and the least share
     /// of the torque.
     double heat, derated_share;
     lode_mode_t mode; ///< at the end
