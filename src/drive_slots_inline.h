@@ -64,18 +64,6 @@ LODE_INLINE bool lode_drive_watch_flux(lode_drive_t *self) {
 #endif
 }
 
-LODE_INLINE bool lode_drive_slot_lag(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
-    lode_drive_adapt_lag(self, tuning);
-    lode_drive_lead(self, tuning);
-    if (lode_mode(self) != LODE_MODE_RUN) {
-        return true;
-    }
-    if (lode_references_weakens(&tuning->references) && lode_drive_speed_once(self)) {
-        lode_drive_limit_flux(self);
-    }
-    return lode_drive_watch_flux(self);
-}
-
 // RUN: the current is near its reference, as nearly always, or current control has not lost it (K49).
 LODE_INLINE bool lode_drive_holds_current(lode_drive_t *self) {
 #ifdef LODE_WITHOUT_PLAUSIBILITY
@@ -90,6 +78,19 @@ LODE_INLINE bool lode_drive_holds_current(lode_drive_t *self) {
     }
     return lode_drive_watch_control(self);
 #endif
+}
+
+LODE_INLINE bool lode_drive_slot_lag(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
+    lode_drive_adapt_lag(self, tuning);
+    lode_drive_lead(self, tuning);
+    if (lode_mode(self) != LODE_MODE_RUN) {
+        return true;
+    }
+    if (lode_references_weakens(&tuning->references) && lode_drive_speed_once(self)) {
+        lode_drive_limit_flux(self);
+    }
+    return lode_drive_watch_flux(self) && lode_drive_holds_current(self) &&
+           lode_drive_watch_half_waves(self);
 }
 
 LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_tuning_t *tuning,
@@ -109,7 +110,7 @@ LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_
     if (!lode_estimator_has_rotor(&self->estimator)) {
         lode_mode_lose_rotor(self);
     }
-    return lode_drive_holds_current(self) && lode_drive_watch_half_waves(self);
+    return true;
 }
 
 // False: a fault was found.

@@ -15,10 +15,9 @@ typedef enum {
     // guard's slow checks, plausibility of the currents
     SLOT_GUARD,
     // lag of the EMF observer, lead of the duties; flux that the voltage allows; resonators of the xy plane; RUN: flux of the
-    // magnets; START: resistance and dead time, slip
+    // magnets, currents that are not their references', half-waves of the currents; START: resistance and dead time, slip
     SLOT_LAG,
-    // slope of the dead-time error, 1/v_bus; check of the memory; RUN: half-waves of the currents; START: fall of the
-    // current, quality of the estimate
+    // slope of the dead-time error, 1/v_bus; check of the memory; START: fall of the current, quality of the estimate
     SLOT_DEAD_TIME,
     // without lock: acquisition; gains of the PLL, centres of the notches
     SLOT_GAINS,
