@@ -2,6 +2,8 @@
 #include "drive_slots_inline.h"
 
 #define TELEMETRY_TRIES 3
+#define ROUNDED                                                                                    \
+    1.000001f // a limit that the caller has computed in another order: some last digits more
 #define HELD_SHARE 0.01f     // of the range of torques
 #define MOVED_FLUX_MAX 0.35f // share of the flux that a step of the d current may move
 
@@ -43,10 +45,16 @@ void lode_drive_notify(lode_drive_t *self) {
     LODE_SHARED_STORE(self->steady, false);
 }
 
-static bool is_finite(const lode_command_t *command) {
+LODE_INLINE bool is_within(float x, float most) {
+    return lode_in_range(x, -most, most);
+}
+
+static bool is_in_range(const lode_command_t *command) {
 #ifndef LODE_WITHOUT_COMMISSIONING
-    if (!lode_is_finite(command->vector.d) || !lode_is_finite(command->vector.q) ||
-        !lode_is_finite(command->theta_rad) || !lode_is_finite(command->omega_rad_s)) {
+    if (!is_within(command->vector.d, LODE_COMMAND_MAX) ||
+        !is_within(command->vector.q, LODE_COMMAND_MAX) ||
+        !is_within(command->omega_rad_s, LODE_COMMAND_MAX) ||
+        !is_within(command->theta_rad, LODE_ANGLE_LIMIT_rad)) {
         return false;
     }
 #endif
@@ -75,11 +83,11 @@ lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *
 #endif
     const bool controlled = command->control == LODE_CONTROL_SPEED || torque;
     const bool off = command->mode == LODE_MODE_OFF;
-    if (!known || !controlled || !is_finite(command) || (command->clear_fault && !off)) {
+    if (!known || !controlled || !is_in_range(command) || (command->clear_fault && !off)) {
         return LODE_ERROR_COMMAND;
     }
-    if (command->mode == LODE_MODE_RUN &&
-        lode_abs(command->speed_rad_s) > lode_mode_most_rad_s(self->tuning)) {
+    const float most_rad_s = ROUNDED * lode_mode_most_rad_s(self->tuning);
+    if (command->mode == LODE_MODE_RUN && lode_abs(command->speed_rad_s) > most_rad_s) {
         return LODE_ERROR_COMMAND_SPEED;
     }
     LODE_SHARED_STORE(self->command_posted, LODE_POST_NONE);
@@ -286,7 +294,7 @@ LODE_NOINLINE void lode_drive_optimal_references(lode_drive_t *self) {
         lode_references_optimal(&run->references, tuning, run->speed.torque_Nm,
                                 self->estimator.pll.omega_rad_s, self->inverter.v_bus_V);
     self->ref_A = out.i_A;
-    run->speed.limit_Nm = lode_drive_torque_limits(self, out.torque_Nm);
+    run->speed.limit_Nm = lode_mode_torque_limits(self, out.torque_Nm);
     if (lode_references_has(tuning, LODE_REFERENCES_SATURATE)) {
         saturate_control(self); // before current control meets the new reference
     }

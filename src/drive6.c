@@ -278,11 +278,12 @@ LODE_INLINE lode_estimate_t estimate(lode_drive6_t *self, const lode_sample6_t *
 // One set continues alone, with twice the current it had.
 static LODE_NOINLINE void go_on_alone(lode_drive6_t *self, lode_active_t active, lode_ab_t i_A) {
     lode_drive_t *drive = &self->drive;
-    const lode_estimator_tuning_t *before = &drive->tuning->estimator;
+    const lode_drive_tuning_t *before = drive->tuning;
     const lode_sincos_t rotor = lode_estimator_rotor(&drive->estimator);
     select_sets(self, active);
     drive->steady = false; // the set's speed control may have another rate
-    lode_estimator_retune(&drive->estimator, before, &drive->tuning->estimator);
+    lode_mode_retune_ramp(drive, before);
+    lode_estimator_retune(&drive->estimator, &before->estimator, &drive->tuning->estimator);
     lode_estimator_set_current(&drive->estimator, i_A);
     drive->i_A = lode_park(i_A, rotor);
     const float omega = drive->estimator.pll.omega_rad_s;

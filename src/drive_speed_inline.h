@@ -8,8 +8,6 @@
 #include "references_inline.h"
 #include "speed_inline.h"
 
-#define PER_SHARE (1.0f / (float)LODE_TORQUE_SHARE_ONE)
-
 // They run once per round, in their slots.
 LODE_INLINE bool lode_drive_speed_once(const lode_drive_t *self) {
 #ifdef LODE_WITHOUT_FAST_SPEED
@@ -17,19 +15,6 @@ LODE_INLINE bool lode_drive_speed_once(const lode_drive_t *self) {
     return true;
 #else
     return self->tuning->speed_periods == LODE_SLOW_PERIODS;
-#endif
-}
-
-// The references' torque range, reduced by the application's limits.
-LODE_INLINE lode_range_t lode_drive_torque_limits(const lode_drive_t *self, lode_range_t most) {
-#ifdef LODE_WITHOUT_TORQUE_LIMITS
-    (void)self;
-    return most;
-#else
-    const uint32_t backwards = self->estimator.pll.omega_rad_s < 0.0f ? 1u : 0u;
-    const uint32_t up = self->torque_share[backwards] & ~LODE_TORQUE_SHARE_PARITY;
-    const uint32_t down = self->torque_share[backwards ^ 1u] & ~LODE_TORQUE_SHARE_PARITY;
-    return (lode_range_t){PER_SHARE * (float)down * most.min, PER_SHARE * (float)up * most.max};
 #endif
 }
 
@@ -91,7 +76,7 @@ LODE_SHARED void lode_drive_references(lode_drive_t *self) {
         &run->references, &self->tuning->references, run->speed.torque_Nm,
         lode_drive_bias_omega(self), run->fade * run->id_A, self->inverter.v_bus_V);
     self->ref_A = out.i_A;
-    run->speed.limit_Nm = lode_drive_torque_limits(self, out.torque_Nm);
+    run->speed.limit_Nm = lode_mode_torque_limits(self, out.torque_Nm);
 }
 
 #endif

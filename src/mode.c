@@ -265,17 +265,24 @@ uint_least16_t lode_mode_rounds_to_prove(const lode_drive_t *self, float omega_r
 
 #endif
 
+// Speed control at the beginning of RUN, which overwrites state.start: at the estimated speed.
+static void begin_speed(lode_drive_t *self, float torque_Nm) {
+    const lode_drive_tuning_t *tuning = self->tuning;
+    const lode_estimator_t *estimator = &self->estimator;
+    lode_speed_t *speed = &self->state.run.speed;
+    lode_speed_reset(speed, &tuning->speed,
+                     estimator->pll.omega_rad_s * tuning->speed.inv_pole_pairs, torque_Nm,
+                     lode_estimator_load_torque_Nm(estimator, &tuning->estimator),
+                     lode_references_most_Nm(&tuning->references));
+    speed->limit_Nm = lode_mode_torque_limits(self, speed->limit_Nm);
+    speed->calmed = self->calm;
+}
+
 #if !defined(LODE_WITHOUT_FLYING_START) || !defined(LODE_WITHOUT_HFI)
 
 void lode_mode_run_at_once(lode_drive_t *self) {
-    const lode_drive_tuning_t *tuning = self->tuning;
-    const lode_estimator_t *estimator = &self->estimator;
-    const float omega = estimator->pll.omega_rad_s;
-    lode_running_t *run = &self->state.run; // from here on, state.start is gone
-    lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, 0.0f,
-                     lode_estimator_load_torque_Nm(estimator, &tuning->estimator),
-                     lode_references_most_Nm(&tuning->references));
-    run->speed.calmed = self->calm;
+    begin_speed(self, 0.0f); // from here on, state.start is gone
+    lode_running_t *run = &self->state.run;
     run->fade = 0.0f;
     run->id_A = 0.0f;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
@@ -294,12 +301,14 @@ float lode_mode_most_rad_s(const lode_drive_tuning_t *tuning) {
     return lode_min(estimator, tuning->guard.omega_max) * tuning->speed.inv_pole_pairs;
 }
 
-// A speed that may no longer be commanded becomes the largest one.
+// A speed that may no longer be commanded becomes the largest one. A corrupted command stays as it is, for the memory check.
 static void bound_command(lode_drive_t *self) {
     const float most = lode_mode_most_rad_s(self->tuning);
-    if (self->command.mode == (uint_least8_t)LODE_MODE_RUN) {
-        self->command.speed_rad_s = lode_clamp(self->command.speed_rad_s, -most, most);
-        self->command.check = lode_mode_order_check(&self->command);
+    lode_order_t *order = &self->command;
+    if (order->mode == (uint_least8_t)LODE_MODE_RUN && lode_abs(order->speed_rad_s) > most &&
+        lode_mode_order_check(order) == order->check) {
+        order->speed_rad_s = lode_clamp(order->speed_rad_s, -most, most);
+        order->check = lode_mode_order_check(order);
     }
 }
 
@@ -322,6 +331,19 @@ static void keep_measured(lode_inverter_t *inverter, const lode_drive_tuning_t *
 #endif
 }
 
+void lode_mode_retune_ramp(lode_drive_t *self, const lode_drive_tuning_t *before) {
+#ifdef LODE_WITHOUT_SHAPED_RAMP
+    (void)self;
+    (void)before;
+#else
+    const lode_drive_tuning_t *now = self->tuning;
+    const float longer = (float)now->speed_periods / (float)before->speed_periods;
+    lode_speed_t *speed = &self->state.run.speed;
+    // The slope goes on, in steps of another length; without a limit of the jerk nothing is left over of it.
+    speed->step_rad_s = now->speed.jerk_step > 0.0f ? longer * speed->step_rad_s : 0.0f;
+#endif
+}
+
 static void retune_run(lode_drive_t *self, const lode_drive_tuning_t *before) {
     const lode_drive_tuning_t *now = self->tuning;
     lode_running_t *run = &self->state.run;
@@ -330,17 +352,13 @@ static void retune_run(lode_drive_t *self, const lode_drive_tuning_t *before) {
     if (before->references.options == 0u) { // they were not kept up to date
         lode_references_reset(&run->references, self->ref_A.d);
     }
-#ifndef LODE_WITHOUT_SHAPED_RAMP
-    if (!(now->speed.jerk_step > 0.0f)) {
-        // Left over from a ramp whose jerk was limited.
-        run->speed.step_rad_s = 0.0f;
-        run->speed.left_rad_s = 0.0f;
-    }
-#endif
+    lode_mode_retune_ramp(self, before);
 }
 
 void lode_mode_retune(lode_drive_t *self, const lode_drive_tuning_t *before) {
-    lode_estimator_retune(&self->estimator, &before->estimator, &self->tuning->estimator);
+    if (self->gates) { // otherwise it begins anew, and FAULT keeps what it was at the trip
+        lode_estimator_retune(&self->estimator, &before->estimator, &self->tuning->estimator);
+    }
     keep_measured(&self->inverter, before, self->tuning);
     bound_command(self);
     if (lode_mode(self) == LODE_MODE_RUN) {
@@ -375,6 +393,7 @@ LODE_NOINLINE bool lode_mode_take_mail(lode_drive_t *self) {
     }
     if (self->command_posted == LODE_POST_FULL) {
         self->command = self->posted;
+        bound_command(self);     // it was checked against the tuning of that moment
         self->posted.flags = 0u; // clears no other fault
         LODE_SHARED_STORE(self->command_posted, LODE_POST_NONE);
         clears = clear_at_once(self);
@@ -410,11 +429,8 @@ void lode_mode_hand_over(lode_drive_t *self) {
     self->losses = self->state.start.failed;
     const bool caught = lode_start_catches(&self->state.start);
 #endif
-    lode_running_t *run = &self->state.run; // from here on, state.start is gone
-    lode_speed_reset(&run->speed, &tuning->speed, omega * tuning->speed.inv_pole_pairs, torque,
-                     lode_estimator_load_torque_Nm(&self->estimator, &tuning->estimator),
-                     lode_references_most_Nm(&tuning->references));
-    run->speed.calmed = self->calm;
+    begin_speed(self, torque); // from here on, state.start is gone
+    lode_running_t *run = &self->state.run;
     run->fade = 1.0f;
 #ifndef LODE_WITHOUT_HANDOVER_RETRY
     run->proving = caught ? lode_mode_rounds_to_prove(self, omega) : tuning->start.patience_rounds;

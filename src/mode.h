@@ -147,11 +147,30 @@ static inline bool lode_mode_share_is_sound(uint32_t share) {
 
 #endif
 
+#define LODE_PER_SHARE (1.0f / (float)LODE_TORQUE_SHARE_ONE)
+
+// The references' torque range, reduced by the application's limits.
+LODE_INLINE lode_range_t lode_mode_torque_limits(const lode_drive_t *self, lode_range_t most) {
+#ifdef LODE_WITHOUT_TORQUE_LIMITS
+    (void)self;
+    return most;
+#else
+    const uint32_t backwards = self->estimator.pll.omega_rad_s < 0.0f ? 1u : 0u;
+    const uint32_t up = self->torque_share[backwards] & ~LODE_TORQUE_SHARE_PARITY;
+    const uint32_t down = self->torque_share[backwards ^ 1u] & ~LODE_TORQUE_SHARE_PARITY;
+    return (lode_range_t){LODE_PER_SHARE * (float)down * most.min,
+                          LODE_PER_SHARE * (float)up * most.max};
+#endif
+}
+
 // Largest mechanical speed that may be commanded: the estimator's omega_max or the guard's trip limit, whichever is lower.
 float lode_mode_most_rad_s(const lode_drive_tuning_t *tuning);
 
 // After a change of the tuning: adapts the states that would not fit it. `before`: the previous tuning.
 void lode_mode_retune(lode_drive_t *self, const lode_drive_tuning_t *before);
+
+// In RUN: a ramp whose jerk is limited goes on at its slope, if speed control has another rate now.
+void lode_mode_retune_ramp(lode_drive_t *self, const lode_drive_tuning_t *before);
 
 // Takes over what was posted, at the start of a period. True: a fault was cleared, by an OFF that the command has replaced.
 bool lode_mode_take_mail(lode_drive_t *self);

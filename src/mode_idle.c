@@ -58,6 +58,7 @@ static bool begins_precharge(lode_drive_t *self, lode_mode_t driven) {
         return false;
     }
     self->state.precharge = (lode_precharge_t){
+        .driven = (uint_least8_t)driven,
         .part = (uint_least8_t)(flies ? LODE_PRECHARGE_PULSES : LODE_PRECHARGE_CHARGE),
         .rests = (uint_least8_t)(only_checks ? 1u : 0u)};
     // These act when the low sides switch on: a board may do so at once.
@@ -208,8 +209,9 @@ static LODE_NOINLINE void switch_on_ahead(lode_drive_t *self, lode_mode_t driven
 
 static void follow_precharge(lode_drive_t *self, const lode_sample_t *sample) {
     const lode_mode_t driven = driven_mode(self);
-    if (driven == LODE_MODE_OFF) {
-        lode_mode_switch_off(self);
+    if (driven != (lode_mode_t)self->state.precharge.driven) {
+        lode_mode_switch_off(
+            self); // another mode has to begin in OFF: it may need to calibrate first
         return;
     }
 #ifdef LODE_WITHOUT_FLYING_START

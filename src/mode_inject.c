@@ -177,6 +177,7 @@ LODE_NOINLINE void lode_mode_find_lost(lode_drive_t *self) {
         !is_explained(self) &&
         lode_abs(self->estimator.pll.omega_rad_s) < LOST_SPEED * tuning->omega_high) {
         lode_guard_withdraw(&self->guard);
+        self->calm = self->state.run.speed.calmed;
         find_again(self);
     }
 }

@@ -277,9 +277,9 @@ LODE_INLINE void keep_copy(lode_speed_t *self) {
 // Sets the reference, at rest.
 static void set_reference(lode_speed_t *self, float reference_rad_s) {
     self->reference_rad_s = reference_rad_s;
+    self->left_rad_s = 0.0f;
 #ifndef LODE_WITHOUT_SHAPED_RAMP
     self->step_rad_s = 0.0f;
-    self->left_rad_s = 0.0f;
 #endif
 }
 
@@ -343,12 +343,7 @@ LODE_NOINLINE float lode_speed_shaped_step(lode_speed_t *self, const lode_speed_
     const float last = self->step_rad_s;
     const float step = lode_clamp(way < 0.0f ? -size : size, last - jerk, last + jerk);
     self->step_rad_s = step;
-    if (lode_in_range(step, way, way)) { // the last one
-        self->reference_rad_s = target;
-        self->left_rad_s = 0.0f;
-        return step;
-    }
-    lode_add_small(&self->reference_rad_s, &self->left_rad_s, step);
+    lode_ramp_move(&self->reference_rad_s, &self->left_rad_s, target, way, step);
     return step;
 }
 

@@ -20,11 +20,15 @@ float lode_speed_torque_target(lode_speed_t *self, const lode_speed_tuning_t *tu
 // Limits the ramped reference to +-`most_rad_s`, mechanical.
 void lode_speed_bound(lode_speed_t *self, float most_rad_s);
 
-// False: integral or reference has changed by itself.
+// Half of the last digit of 1e5 rad/s, rounded up: no rounding leaves out more.
+#define LODE_SPEED_LEFT_MAX_rad_s 0.01f
+
+// False: integral or reference, or what rounding has left out of it, has changed by itself.
 LODE_INLINE bool lode_speed_is_whole(const lode_speed_t *self) {
     const float integral = self->pi.integral - self->copy.integral_Nm;
     const float reference = self->reference_rad_s - self->copy.reference_rad_s;
-    return lode_abs(integral) + lode_abs(reference) <= 0.0f;
+    return lode_abs(integral) + lode_abs(reference) <= 0.0f &&
+           lode_abs(self->left_rad_s) <= LODE_SPEED_LEFT_MAX_rad_s;
 }
 
 #ifndef LODE_WITHOUT_SHAPED_RAMP
@@ -43,9 +47,7 @@ LODE_INLINE float lode_speed_ramp(lode_speed_t *self, const lode_speed_tuning_t 
         return lode_speed_shaped_step(self, tuning, target_rad_s);
     }
 #endif
-    const float before = self->reference_rad_s;
-    self->reference_rad_s = lode_ramp(before, target_rad_s, tuning->ramp_step);
-    return self->reference_rad_s - before;
+    return lode_ramp(&self->reference_rad_s, &self->left_rad_s, target_rad_s, tuning->ramp_step);
 }
 
 // Factor of both gains at the electrical speed `omega_rad_s`.

@@ -3,6 +3,7 @@
 #define LODE_START_INLINE_H
 
 #include "lodestar/start.h"
+#include "ramp_inline.h"
 #include "scalar_inline.h"
 
 // Share of the ramp in the second and the third, last attempt. A rotor with more inertia than configured cannot follow
@@ -71,8 +72,8 @@ LODE_INLINE float lode_start_step(lode_start_t *self, const lode_start_tuning_t 
     float advance_rad = ts_s * self->omega_rad_s;
     if (!(self->current_A < self->current_target) &&
         !(self->stage < (uint_least8_t)LODE_START_TURN)) {
-        const float most = self->omega_step;
-        self->omega_rad_s += lode_clamp(self->omega_target - self->omega_rad_s, -most, most);
+        (void)lode_ramp(&self->omega_rad_s, &self->left_rad_s, self->omega_target,
+                        self->omega_step);
         advance_rad = ts_s * self->omega_rad_s;
     } else if (self->current_A < self->current_target && !(lode_abs(self->omega_rad_s) > 0.0f) &&
                self->stands == 0u) {

@@ -146,6 +146,28 @@ static void test_low_sides_stay_on_no_longer_than_commanded(void) {
     rig_expect(&rig, LODE_MODE_OFF);
 }
 
+/// What another command needs first, as the offsets for RUN, is not left out.
+static void test_another_command_begins_from_off(void) {
+    rig_t rig = precharging();
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_CURRENT});
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_PRECHARGE, 0.2));
+    rig_run(&rig, 10.0 * RIG_TS_s);
+    rig_command(&rig, (lode_command_t){.mode = LODE_MODE_VOLTAGE});
+    rig_step(&rig);
+    TEST_ASSERT_TRUE(is_idle(rig.out));
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_PRECHARGE);
+    rig_run(&rig, (PRECHARGE_PERIODS - 1) * RIG_TS_s);
+    rig_expect(&rig, LODE_MODE_PRECHARGE);
+    rig_command(&rig, run_at(100.0));
+    rig_step(&rig);
+    TEST_ASSERT_TRUE(is_idle(rig.out));
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_CALIBRATE);
+    TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_START, 1.0));
+    TEST_ASSERT_TRUE(lode_drive_knows(&rig.drive, LODE_KNOWN_OFFSETS));
+}
+
 static void test_low_sides_are_guarded(void) {
     for (int trip = 0; trip < 2; trip++) {
         rig_t rig = precharging();
@@ -301,6 +323,22 @@ static void test_bad_commands_are_refused_and_change_nothing(void) {
                                   lode_drive_post_command(&rig.drive, &command));
         }
     }
+    // A vector, or the speed of its frame, that is beyond any motor; an angle that has no digits left within a turn.
+    const float most_of[] = {LODE_COMMAND_MAX, LODE_COMMAND_MAX, LODE_COMMAND_MAX,
+                             LODE_ANGLE_LIMIT_rad};
+    for (int field = 0; field < COUNT_OF(most_of); field++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            lode_command_t command = {.mode = LODE_MODE_VOLTAGE};
+            float *const values[] = {&command.vector.d, &command.vector.q, &command.omega_rad_s,
+                                     &command.theta_rad};
+            *values[field] = (float)sign * 1.0001f * most_of[field];
+            TEST_ASSERT_EQUAL_INT(LODE_ERROR_COMMAND,
+                                  lode_drive_post_command(&rig.drive, &command));
+            rig_t other = rig;
+            *values[field] = (float)sign * most_of[field];
+            rig_command(&other, command);
+        }
+    }
     lode_command_t command = run_at(80.0);
     command.control = (lode_control_t)2;
     TEST_ASSERT_EQUAL_INT(LODE_ERROR_COMMAND, lode_drive_post_command(&rig.drive, &command));
@@ -317,6 +355,64 @@ static void test_bad_commands_are_refused_and_change_nothing(void) {
     command = (lode_command_t){.mode = LODE_MODE_CURRENT, .speed_rad_s = (float)(2.0 * most)};
     rig_command(&rig, command);
     rig_command(&rig, run_at(0.999 * most));
+}
+
+/// The limit itself is allowed, in whatever order it was computed.
+static void test_the_largest_speed_is_allowed(void) {
+    random_t random = random_seed(7);
+    for (int n = 0; n < CHECK_TRIES(300); n++) {
+        lode_drive_config_t config = rig_config();
+        config.motor.pole_pairs = floorf(random_float(&random, 1.0, 30.0));
+        config.estimator.omega_max_rad_s = random_float(&random, 600.0, 900.0);
+        config.guard.omega_max_rad_s = 1000.0f;
+        static lode_drive_tuning_t some;
+        rig_t rig;
+        rig_init(&rig, &some, &config);
+        const float most = config.estimator.omega_max_rad_s / config.motor.pole_pairs;
+        rig_command(&rig, run_at((double)most));
+        rig_command(&rig, run_at(-(double)most));
+        const lode_command_t more = run_at(1.00001 * (double)most);
+        TEST_ASSERT_EQUAL_INT(LODE_ERROR_COMMAND_SPEED, lode_drive_post_command(&rig.drive, &more));
+    }
+}
+
+/// A command that the tuning in force allows, and a tuning that does not: taken in the same period, in either order.
+static void test_a_command_meets_the_limits_of_the_tuning_that_comes_with_it(void) {
+    for (int order = 0; order < 2; order++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            lode_drive_config_t config = rig_config();
+            rig_t rig;
+            rig_init(&rig, &tuning, &config);
+            run_up(&rig, 100.0, 8.0);
+            config.estimator.omega_max_rad_s = 500.0f;
+            lode_drive_tuning_t slower;
+            TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&slower, &config));
+            const lode_command_t command = run_at(sign * 300.0);
+            if (order == 0) {
+                rig_command(&rig, command);
+            }
+            TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &slower));
+            if (order == 1) {
+                rig_command(&rig, command);
+            }
+            rig_step(&rig);
+            CHECK_NEAR(1.0e-3, sign * 500.0 / 3.0, rig.drive.command.speed_rad_s);
+            rig_run(&rig, 6.0);
+            check_running(&rig, sign * 500.0 / 3.0);
+        }
+    }
+}
+
+/// A command whose bits have changed since it was posted keeps the check that tells so.
+static void test_a_corrupted_command_is_not_made_whole_by_a_limit(void) {
+    lode_drive_config_t config = rig_config();
+    rig_t rig;
+    rig_init(&rig, &tuning, &config);
+    run_up(&rig, 100.0, 8.0);
+    rig_command(&rig, run_at(100.0));
+    rig.drive.posted.speed_rad_s = 1.0e9f;
+    rig_run(&rig, 2.0 * LODE_SLOW_PERIODS * RIG_TS_s);
+    TEST_ASSERT_EQUAL_STRING("LODE_CHECK_MEMORY", lode_check_name(rig_telemetry(&rig).fault.check));
 }
 
 /// The smaller limit counts, in torque control too, and what was commanded before goes on.
@@ -377,15 +473,17 @@ static void test_huge_commands_give_duties(void) {
         for (int m = 0; m < COUNT_OF(modes); m++) {
             rig_t rig = fresh();
             rig.blocked = true;
-            rig_command(&rig, (lode_command_t){.mode = modes[m],
-                                               .torque_Nm = huge[i],
-                                               .control = LODE_CONTROL_TORQUE,
-                                               .speed_rad_s = modes[m] == LODE_MODE_RUN
-                                                                  ? copysignf(150.0f, huge[i])
-                                                                  : huge[i],
-                                               .vector = {huge[i], huge[i]},
-                                               .theta_rad = huge[i],
-                                               .omega_rad_s = huge[i]});
+            const float most = copysignf(LODE_COMMAND_MAX, huge[i]);
+            rig_command(&rig,
+                        (lode_command_t){.mode = modes[m],
+                                         .torque_Nm = huge[i],
+                                         .control = LODE_CONTROL_TORQUE,
+                                         .speed_rad_s = modes[m] == LODE_MODE_RUN
+                                                            ? copysignf(150.0f, huge[i])
+                                                            : huge[i],
+                                         .vector = {most, most},
+                                         .theta_rad = copysignf(LODE_ANGLE_LIMIT_rad, huge[i]),
+                                         .omega_rad_s = most});
             for (int n = 0; n < 2000; n++) {
                 rig_step(&rig);
                 const lode_abc_t d = rig.out.duty;
@@ -624,16 +722,50 @@ static void test_a_ramp_without_jerk_leaves_none(void) {
     CHECK_AT_LEAST(1.0e-3, (double)speed->step_rad_s);
     CHECK_NEAR(2.0 * (double)shaped.speed.jerk_step, (double)before.step_rad_s, speed->step_rad_s);
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other_tuning));
-    rig.drive.state.run.speed.left_rad_s = 0.25f;
     rig_step(&rig);
     CHECK_NEAR(0.0, 0.0, rig.drive.state.run.speed.step_rad_s);
-    CHECK_NEAR(0.0, 0.0, rig.drive.state.run.speed.left_rad_s);
     rig_run(&rig, 3.0);
     check_running(&rig, 110.0);
     TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &shaped));
     for (int n = 0; n < 10000; n++) {
         rig_step(&rig);
         CHECK_NEAR(1.0e-3, 110.0, rig_telemetry(&rig).speed_ref_rad_s);
+    }
+}
+
+/// A slope that the jerk has built up goes on, however often speed control is called from now on.
+static void test_a_slope_goes_on_at_another_rate(void) {
+    for (int faster = 0; faster < 2; faster++) {
+        lode_drive_config_t config = rig_config();
+        config.motor.omega_rated_rad_s = 300.0f; // speed control once per round
+        config.speed.ramp_rad_s2 = 100.0f;
+        config.speed.jerk_rad_s3 = 200.0f;
+        lode_drive_tuning_t slow;
+        lode_drive_tuning_t fast;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&slow, &config));
+        config.speed.every_period = LODE_ON;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&fast, &config));
+        TEST_ASSERT_EQUAL_UINT32(LODE_SLOW_PERIODS * fast.speed_periods, slow.speed_periods);
+        config.speed.every_period = faster > 0 ? LODE_OFF : LODE_ON;
+        rig_t rig;
+        rig_init(&rig, &tuning, &config);
+        run_up(&rig, 30.0, 8.0);
+        rig_command(&rig, run_at(110.0));
+        while (rig_telemetry(&rig).speed_ref_rad_s < 70.0f) {
+            rig_step(&rig);
+        }
+        TEST_ASSERT_EQUAL_INT(LODE_OK,
+                              lode_drive_post_tuning(&rig.drive, faster > 0 ? &fast : &slow));
+        for (int n = 0; n < 200; n++) {
+            const double before = (double)rig_telemetry(&rig).speed_ref_rad_s;
+            rig_run(&rig, LODE_SLOW_PERIODS * RIG_TS_s);
+            const double now = (double)rig_telemetry(&rig).speed_ref_rad_s;
+            CHECK_AT_MOST(100.1, (now - before) / (LODE_SLOW_PERIODS * RIG_TS_s));
+            CHECK_AT_LEAST(n < 5 ? 95.0 : 0.0, (now - before) / (LODE_SLOW_PERIODS * RIG_TS_s));
+            CHECK_AT_MOST(110.0, now);
+        }
+        rig_run(&rig, 1.0);
+        check_running(&rig, 110.0);
     }
 }
 
@@ -1243,6 +1375,7 @@ int main(void) {
     RUN_TEST(test_off_interrupts_a_calibration);
     RUN_TEST(test_low_sides_come_before_all_gates);
     RUN_TEST(test_low_sides_stay_on_no_longer_than_commanded);
+    RUN_TEST(test_another_command_begins_from_off);
     RUN_TEST(test_low_sides_are_guarded);
     RUN_TEST(test_low_sides_are_on_for_the_sampling_window);
     RUN_TEST(test_voltage_vector_at_an_angle);
@@ -1252,6 +1385,9 @@ int main(void) {
     RUN_TEST(test_current_vector_at_an_angle);
     RUN_TEST(test_current_command_is_limited);
     RUN_TEST(test_bad_commands_are_refused_and_change_nothing);
+    RUN_TEST(test_the_largest_speed_is_allowed);
+    RUN_TEST(test_a_command_meets_the_limits_of_the_tuning_that_comes_with_it);
+    RUN_TEST(test_a_corrupted_command_is_not_made_whole_by_a_limit);
     RUN_TEST(test_a_speed_that_cannot_be_had_is_refused);
     RUN_TEST(test_commands_wait_for_the_next_period_and_the_last_counts);
     RUN_TEST(test_a_command_that_comes_within_a_period_waits_for_the_next);
@@ -1266,6 +1402,7 @@ int main(void) {
     RUN_TEST(test_a_rotor_beyond_a_new_limit);
     RUN_TEST(test_optimal_references_begin_with_the_present_current);
     RUN_TEST(test_a_ramp_without_jerk_leaves_none);
+    RUN_TEST(test_a_slope_goes_on_at_another_rate);
     RUN_TEST(test_a_drive_that_has_not_begun);
     RUN_TEST(test_an_estimate_of_nothing_is_not_taken_over);
     RUN_TEST(test_a_tuning_leaves_a_start_as_it_is);

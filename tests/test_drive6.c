@@ -821,6 +821,31 @@ static void test_the_set_that_is_left_may_have_another_rate_of_speed_control(voi
     }
 }
 
+/// A slope that the jerk has built up goes on.
+static void test_the_slope_goes_on_with_one_set(void) {
+    lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
+    config.drive.speed.ramp_rad_s2 = 60.0f;
+    config.drive.speed.jerk_rad_s3 = 100.0f;
+    rig6_t rig = turning(&config, 600.0, LOAD_Nm);
+    other_tuning = tuning;
+    other_tuning.alone.speed_periods = LODE_SLOW_PERIODS / 2u;
+    other_tuning.alone.speed.ramp_step *= 0.5f;
+    other_tuning.alone.speed.ramp_down_step *= 0.5f;
+    other_tuning.alone.speed.jerk_step *= 0.25f;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive6_post_tuning(&rig.drive, &other_tuning));
+    rig6_command(&rig, run_at(1100.0));
+    rig6_run(&rig, 0.8);
+    rig.open = 1;
+    const double round_s = LODE_SLOW_PERIODS * RIG6_TS_s;
+    for (int n = 0; n < 1000; n++) {
+        const double before = (double)rig6_telemetry(&rig).drive.speed_ref_rad_s;
+        rig6_run(&rig, round_s);
+        const double now = (double)rig6_telemetry(&rig).drive.speed_ref_rad_s;
+        CHECK_AT_MOST(60.1, fabs(now - before) / round_s);
+    }
+    TEST_ASSERT_EQUAL_INT(1, rig6_telemetry(&rig).open);
+}
+
 static void test_a_source_that_opens_is_left(void) {
     lode_drive6_config_t config = answering(LODE_OPEN_PHASE_GO_ON);
     config.source = LODE_SOURCE_SET_1;
@@ -1804,6 +1829,7 @@ int main(void) {
     RUN_TEST(test_what_goes_on_goes_by_its_own_set);
     RUN_TEST(test_the_set_that_is_left_may_have_another_observer);
     RUN_TEST(test_the_set_that_is_left_may_have_another_rate_of_speed_control);
+    RUN_TEST(test_the_slope_goes_on_with_one_set);
     RUN_TEST(test_a_source_that_opens_is_left);
     RUN_TEST(test_sensors_of_the_source_that_freeze_are_found);
     RUN_TEST(test_sensors_of_one_set_that_freeze_are_found);

@@ -752,6 +752,43 @@ static void check_speed_flips(rig_t sound) {
     }
 }
 
+/// What rounding has left out of the reference is less than its last digit: more would move the reference.
+static void test_a_rest_beyond_rounding_trips(void) {
+    const rig_t sound = before_slot(SLOT_DEAD_TIME, 0.5);
+    const float rests[] = {0.009f, 0.011f, -0.011f, 1.0e30f, NAN};
+    for (int n = 0; n < COUNT_OF(rests); n++) {
+        rig_t rig = sound;
+        rig.drive.state.run.speed.left_rad_s = rests[n];
+        rig_step(&rig);
+        const lode_fault_t fault = rig_telemetry(&rig).fault;
+        TEST_ASSERT_EQUAL_STRING(lode_check_name(n > 0 ? LODE_CHECK_MEMORY : LODE_CHECK_NONE),
+                                 lode_check_name(fault.check));
+        TEST_ASSERT_EQUAL_FLOAT(n > 0 ? 5.0f : 0.0f, fault.measured);
+    }
+}
+
+/// A tuning with another observer, posted in FAULT, leaves what telemetry says of the trip.
+static void test_a_tuning_leaves_what_it_was_at_the_trip(void) {
+    rig_t rig = running(80.0, 8.0);
+    rig.trip = true;
+    rig_step(&rig);
+    rig_expect(&rig, LODE_MODE_FAULT);
+    const lode_telemetry_t before = rig_telemetry(&rig);
+    TEST_ASSERT_TRUE(lode_abs(before.e_V.alpha) + lode_abs(before.e_V.beta) > 1.0f);
+    lode_drive_config_t config = rig_config();
+    config.estimator.emf.kind = LODE_EMF_FA_LESO;
+    lode_drive_tuning_t other;
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other, &config));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other));
+    rig_run(&rig, 2.0 * LODE_SLOW_PERIODS * RIG_TS_s);
+    TEST_ASSERT_TRUE(lode_drive_tuning_taken(&rig.drive));
+    const lode_telemetry_t after = rig_telemetry(&rig);
+    TEST_ASSERT_EQUAL_FLOAT(before.e_V.alpha, after.e_V.alpha);
+    TEST_ASSERT_EQUAL_FLOAT(before.e_V.beta, after.e_V.beta);
+    TEST_ASSERT_EQUAL_FLOAT(before.omega_rad_s, after.omega_rad_s);
+    TEST_ASSERT_EQUAL_FLOAT(before.lock, after.lock);
+}
+
 static void test_a_speed_control_that_changes_by_itself_trips(void) {
     rig_t rig = before_slot(SLOT_DEAD_TIME, 0.5);
     TEST_ASSERT_TRUE(rig.drive.state.run.speed.pi.integral != 0.0f);
@@ -968,6 +1005,8 @@ int main(void) {
     RUN_TEST(test_a_motion_that_changes_by_itself_trips);
     RUN_TEST(test_a_motion_that_is_set_is_no_change_by_itself);
     RUN_TEST(test_a_speed_control_that_changes_by_itself_trips);
+    RUN_TEST(test_a_rest_beyond_rounding_trips);
+    RUN_TEST(test_a_tuning_leaves_what_it_was_at_the_trip);
     RUN_TEST(test_a_direction_that_turns_over_starts_anew);
     RUN_TEST(test_a_q_axis_that_changes_by_itself_does_not_last);
     RUN_TEST(test_a_posted_command_is_not_lost_by_a_flip);

@@ -665,9 +665,25 @@ static void test_torque_shares_change_places_at_standstill(void) {
     lode_drive_limit_torques(&rig.drive, 1.0f, 0.5f);
     for (int sign = -1; sign <= 1; sign += 2) {
         rig.drive.estimator.pll.omega_rad_s = 0.1f * (float)sign;
-        const lode_range_t left = lode_drive_torque_limits(&rig.drive, most);
+        const lode_range_t left = lode_mode_torque_limits(&rig.drive, most);
         CHECK_NEAR(1.0e-3, sign > 0 ? 10.0 : 5.0, left.max);
         CHECK_NEAR(1.0e-3, sign > 0 ? -5.0 : -10.0, left.min);
+    }
+}
+
+/// They hold from the first period of RUN on, whichever way leads there.
+static void test_torque_shares_hold_from_the_beginning_of_RUN(void) {
+    for (int flies = 0; flies < 2; flies++) {
+        rig_t rig = fresh();
+        rig.motor.omega = flies > 0 ? 3.0 * 100.0 : 0.0;
+        lode_drive_limit_torques(&rig.drive, 0.5f, 0.25f);
+        rig_command(&rig, run_at(100.0));
+        TEST_ASSERT_TRUE(reach(&rig, LODE_MODE_RUN, 8.0));
+        TEST_ASSERT_EQUAL_INT(flies > 0, rig.motor.omega > 200.0);
+        const double most_Nm = (double)lode_references_most_Nm(&tuning.references);
+        const lode_range_t limit_Nm = rig.drive.state.run.speed.limit_Nm;
+        CHECK_AT_MOST(0.5001 * most_Nm, (double)limit_Nm.max);
+        CHECK_AT_LEAST(-0.2501 * most_Nm, (double)limit_Nm.min);
     }
 }
 
@@ -774,6 +790,7 @@ int main(void) {
     RUN_TEST(test_every_slow_job_is_done_once_in_a_round);
     RUN_TEST(test_a_sensor_that_falls_silent_is_none);
     RUN_TEST(test_torque_shares_change_places_at_standstill);
+    RUN_TEST(test_torque_shares_hold_from_the_beginning_of_RUN);
     RUN_TEST(test_a_commanded_frame_has_no_speed_of_a_rotor);
     RUN_TEST(test_duties_of_an_emf_beyond_the_bus_are_at_the_rails);
     RUN_TEST(test_a_falling_Lq_that_is_known_leaves_no_error_of_the_angle);

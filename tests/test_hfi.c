@@ -1091,6 +1091,7 @@ static void test_a_rotor_that_is_lost_is_found_again(void) {
     for (int k = 1; k <= 3; k++) {
         rig_expect(&rig, LODE_MODE_RUN);
         rig.drive.start_rounds = 77u;
+        rig.drive.state.run.speed.calmed = 1u; // until OFF
         rig_jump(&rig, 1.5);
         rig_expect(&rig, LODE_MODE_START);
         TEST_ASSERT_EQUAL_INT(k, rig.drive.losses);
@@ -1099,6 +1100,7 @@ static void test_a_rotor_that_is_lost_is_found_again(void) {
             0u, rig.drive.start_rounds); // of the vector, which may follow, all of it is left
         rig_run(&rig, 0.5);
         CHECK_AT_MOST(1.0 * CHECK_DEG, rig_worst(&rig, 0.1));
+        TEST_ASSERT_TRUE(rig_telemetry(&rig).gains_halved);
     }
     rig_expect(&rig, LODE_MODE_RUN);
     rig_jump(&rig, 1.5); // that is too often

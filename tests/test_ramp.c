@@ -9,20 +9,25 @@ void tearDown(void) {}
 
 static void test_ramp_is_a_straight_line_to_its_target(void) {
     float value = -1.0f;
+    float rest = 0.0f;
     for (int n = 1; n <= 100; n++) {
-        value = lode_ramp(value, 2.0f, 0.125f); // exact in binary
+        const float step = lode_ramp(&value, &rest, 2.0f, 0.125f); // exact in binary
         const double expected = -1.0 + 0.125 * n;
         TEST_ASSERT_EQUAL_DOUBLE(expected < 2.0 ? expected : 2.0, (double)value);
+        TEST_ASSERT_EQUAL_FLOAT(n <= 24 ? 0.125f : 0.0f, step);
+        TEST_ASSERT_EQUAL_FLOAT(0.0f, rest);
     }
 }
 
 static void test_ramp_down(void) {
     float value = 1.0f;
-    value = lode_ramp(value, -5.0f, 0.25f);
+    float rest = 0.0f;
+    TEST_ASSERT_EQUAL_FLOAT(-0.25f, lode_ramp(&value, &rest, -5.0f, 0.25f));
     TEST_ASSERT_EQUAL_FLOAT(0.75f, value);
-    value = lode_ramp(value, -5.0f, 100.0f);
+    TEST_ASSERT_EQUAL_FLOAT(-5.75f, lode_ramp(&value, &rest, -5.0f, 100.0f));
     TEST_ASSERT_EQUAL_FLOAT(-5.0f, value);
-    TEST_ASSERT_EQUAL_FLOAT(-5.0f, lode_ramp(value, -6.0f, 0.0f));
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, lode_ramp(&value, &rest, -6.0f, 0.0f));
+    TEST_ASSERT_EQUAL_FLOAT(-5.0f, value);
 }
 
 static void test_ramp_never_overshoots(void) {
@@ -31,7 +36,9 @@ static void test_ramp_never_overshoots(void) {
         const float value = random_float(&random, -10.0, 10.0);
         const float target = random_float(&random, -10.0, 10.0);
         const float step = random_float(&random, 0.0, 5.0);
-        const float next = lode_ramp(value, target, step);
+        float next = value;
+        float rest = 0.0f;
+        (void)lode_ramp(&next, &rest, target, step);
         // One rounding of a sum up to 10.
         CHECK_AT_MOST((double)step + 1.0e-6, fabs((double)(next - value)));
         CHECK_AT_MOST(fabs((double)(target - value)) + 1.0e-6, fabs((double)(next - value)));
@@ -39,9 +46,31 @@ static void test_ramp_never_overshoots(void) {
     }
 }
 
+/// (K35): steps of a fifth to five times the value's last digit, 3e-5 at 300.
+static void test_no_step_of_a_ramp_is_lost_to_rounding(void) {
+    const float steps[] = {6.0e-6f, 2.0e-5f, 4.0e-5f, 1.5e-4f};
+    for (int n = 0; n < COUNT_OF(steps); n++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            float value = 300.0f;
+            float rest = 0.0f;
+            const int calls = 1000000;
+            for (int k = 0; k < calls; k++) {
+                TEST_ASSERT_EQUAL_FLOAT((float)sign * steps[n],
+                                        lode_ramp(&value, &rest, (float)sign * 1000.0f, steps[n]));
+            }
+            CHECK_NEAR(300.0 + sign * calls * (double)steps[n], 1.0e-4, value);
+            CHECK_AT_MOST(1.6e-5, fabs((double)rest));
+        }
+    }
+}
+
 static void test_a_target_that_is_no_number_is_ignored(void) {
     for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
-        TEST_ASSERT_EQUAL_FLOAT(3.0f, lode_ramp(3.0f, check_not_finite[i], 1.0f));
+        float value = 3.0f;
+        float rest = 1.0e-8f;
+        TEST_ASSERT_EQUAL_FLOAT(0.0f, lode_ramp(&value, &rest, check_not_finite[i], 1.0f));
+        TEST_ASSERT_EQUAL_FLOAT(3.0f, value);
+        TEST_ASSERT_EQUAL_FLOAT(1.0e-8f, rest);
     }
 }
 
@@ -61,6 +90,7 @@ int main(void) {
     RUN_TEST(test_ramp_is_a_straight_line_to_its_target);
     RUN_TEST(test_ramp_down);
     RUN_TEST(test_ramp_never_overshoots);
+    RUN_TEST(test_no_step_of_a_ramp_is_lost_to_rounding);
     RUN_TEST(test_a_target_that_is_no_number_is_ignored);
     RUN_TEST(test_fade);
     return UNITY_END();

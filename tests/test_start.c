@@ -70,6 +70,24 @@ static float step(lode_start_t *start, const lode_start_tuning_t *tuning, int n,
     return (float)angle_of(lode_start_vector(start));
 }
 
+/// (K35): a step of the vector's speed may be less than that speed's last digit, 2.4e-4 at 4000 rad/s.
+static void test_no_step_of_the_vector_is_lost_to_rounding(void) {
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        lode_start_t start;
+        lode_start_reset(&start, lode_sincos(0.0f), 4000.0f * (float)sign, 8.0f);
+        start.current_target = 8.0f;
+        start.stage = LODE_START_TURN;
+        start.omega_target = 5000.0f * (float)sign;
+        start.omega_step = 5.0e-5f;
+        for (int n = 0; n < 1000000; n++) {
+            (void)lode_start_step(&start, &tuning, no_emf, 1.0e-5f);
+        }
+        CHECK_NEAR(1.0e-3, 4050.0 * sign, start.omega_rad_s);
+    }
+}
+
 static void test_current_rises_first_then_the_vector_turns(void) {
     const lode_start_config_t config = sound();
     const lode_start_tuning_t tuning = tuned(&config);
@@ -2334,6 +2352,7 @@ int main(void) {
     RUN_TEST(test_the_current_falls_where_no_lock_comes);
     RUN_TEST(test_the_current_of_the_last_attempt_falls_as_far);
     RUN_TEST(test_current_rises_first_then_the_vector_turns);
+    RUN_TEST(test_no_step_of_the_vector_is_lost_to_rounding);
     RUN_TEST(test_angle_is_the_integral_of_the_speed);
     RUN_TEST(test_the_vector_sweeps_while_the_current_rises);
     RUN_TEST(test_a_vector_that_is_measured_sweeps_to_two_axes);

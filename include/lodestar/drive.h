@@ -95,6 +95,10 @@ typedef enum {
     LODE_CONTROL_TORQUE
 } lode_control_t;
 
+/// Largest magnitude of VOLTAGE's and CURRENT's vector, per axis, and of the speed of its frame: beyond any motor, and
+/// squares are finite.
+#define LODE_COMMAND_MAX 1.0e6f
+
 /// A command. RUN calibrates and starts first where necessary. RUN with speed 0 stops and switches the gates off;
 /// with signal injection or an angle sensor the drive holds speed 0 like any other speed, and OFF stops it.
 typedef struct {
@@ -104,11 +108,13 @@ typedef struct {
     /// pairs. Not looked at in the other modes, as long as it is finite
     float speed_rad_s;
     /// VOLTAGE: V, shortened to the circle of current.voltage_use; CURRENT: A, shortened to i_max_A; in the frame at
-    /// theta_rad
+    /// theta_rad; each axis up to LODE_COMMAND_MAX
     lode_dq_t vector;
-    /// VOLTAGE, CURRENT: electrical angle of that frame at entry into the mode, rad; at 0 its d axis lies on phase a
+    /// VOLTAGE, CURRENT: electrical angle of that frame at entry into the mode, rad, up to +-LODE_ANGLE_LIMIT_rad; at 0
+    /// its d axis lies on phase a
     float theta_rad;
-    float omega_rad_s;      ///< VOLTAGE, CURRENT: electrical speed of that frame, rad/s
+    float
+        omega_rad_s; ///< VOLTAGE, CURRENT: electrical speed of that frame, rad/s, up to LODE_COMMAND_MAX
     bool clear_fault;       ///< only with OFF: leave FAULT
     lode_control_t control; ///< RUN: what is controlled
     /// RUN with torque control: positive accelerates towards positive speeds, whatever the present direction. Limited
@@ -195,8 +201,9 @@ enum {
 
 /// State of PRECHARGE.
 typedef struct {
-    uint32_t periods;   ///< CHARGE: periods so far
-    uint_least8_t part; ///< LODE_PRECHARGE_...
+    uint32_t periods;     ///< CHARGE: periods so far
+    uint_least8_t driven; ///< lode_mode_t for which it began
+    uint_least8_t part;   ///< LODE_PRECHARGE_...
     uint_least8_t
         rests; ///< from PULSES: not 0: the rotor is at rest, as lode_fly_t.rests; 1 if there are no PULSES but a CHECK
 #ifndef LODE_WITHOUT_FLYING_START
@@ -362,8 +369,8 @@ typedef struct {
     /// RUN: speed control has a half or a quarter of its gains until OFF, because it oscillated (K48) or the rotor was lost
     /// right after a hand-over (K51). The inertia may be less than configured
     bool gains_halved;
-    /// failed attempts of the present start, or of the last one: up to 2, and 3 while the last attempt is repeated.
-    /// With injection also the number of times the rotor was searched for again, up to 3. 0 with
+    /// failed attempts of the present start, or of the one that has led to RUN: up to 2, and 3 while the last attempt
+    /// is repeated; 0 in OFF and FAULT. With injection also the number of times the rotor was searched for again, up to 3. 0 with
     /// LODE_WITHOUT_HANDOVER_RETRY
     uint_least8_t retries;
     /// faults since lode_drive_begin(), modulo 65536: tells a new fault from the last one
@@ -447,8 +454,8 @@ lode_drive_out_t lode_drive_act(lode_drive_t *self, const lode_sample_t *sample,
 
 /// Posts a command for the next control period. It replaces a posted command that has not been taken yet; if that
 /// one had clear_fault set, the fault is still cleared. Errors, with which nothing is posted: NULL, also for a
-/// drive that has not begun; COMMAND: mode or control is unknown or not built in, a value is not finite, or
-/// `clear_fault` is set with a mode other than OFF; COMMAND_SPEED.
+/// drive that has not begun; COMMAND: mode or control is unknown or not built in, a value is not finite or beyond its
+/// range, or `clear_fault` is set with a mode other than OFF; COMMAND_SPEED.
 lode_status_t lode_drive_post_command(lode_drive_t *self, const lode_command_t *command);
 
 /// Posts a tuning from lode_drive_tune() for the next control period. All states continue. An EMF observer of

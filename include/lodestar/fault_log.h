@@ -35,7 +35,8 @@ typedef struct {
 lode_status_t lode_fault_log_init(lode_fault_log_t *self, lode_telemetry_t *buffer, uint32_t faults,
                                   uint32_t rows);
 
-/// True: a fault has occurred since the last call. `telemetry->steps` is the time base.
+/// True: the drive is in FAULT, by a fault that is not in the log yet. A fault that a posted `clear_fault` has cleared in
+/// its first period never shows in telemetry, but lode_telemetry_t.trips counts it. `telemetry->steps` is the time base.
 bool lode_fault_log_step(lode_fault_log_t *self, const lode_telemetry_t *telemetry);
 
 /// Number of faults that can be read. `total` in the structure counts all of them.

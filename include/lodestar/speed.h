@@ -85,10 +85,10 @@ typedef struct {
 typedef struct {
     lode_pi_t pi;
     float reference_rad_s; ///< ramped reference, mechanical
+    float left_rad_s;      ///< what rounding has left out of it (K35)
     lode_speed_copy_t copy;
 #ifndef LODE_WITHOUT_SHAPED_RAMP
     float step_rad_s; ///< last step of a ramp with jerk_step
-    float left_rad_s; ///< part of the sum of the steps that was lost to rounding (K35)
 #endif
     float torque_Nm;          ///< torque reference
     uint_least16_t swing_age; ///< calls since the last half-wave, at most swing_calls

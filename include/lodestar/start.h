@@ -171,6 +171,7 @@ typedef struct {
 typedef struct {
     lode_sincos_t at;     ///< angle of the current vector without the shift by the damping
     float omega_rad_s;    ///< its speed
+    float left_rad_s;     ///< what rounding has left out of it (K35)
     float current_A;      ///< its amplitude
     float omega_target;   ///< speed that it approaches
     float omega_step;     ///< change of speed per period

@@ -21,7 +21,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         FUZZ_CHECK(lode_in_range(lode_one_minus_exp(x), 0.0f, 1.0f));
         FUZZ_CHECK(lode_in_range(lode_clamp(x, -2.0f, 3.0f), -2.0f, 3.0f));
         FUZZ_CHECK(!(lode_sqrt(x) < 0.0f) && !isnan(lode_sqrt(x)));
-        FUZZ_CHECK(lode_in_range(lode_ramp(1.0f, x, 0.5f), 0.5f, 1.5f));
+        float value = 1.0f;
+        float rest = 0.0f;
+        FUZZ_CHECK(lode_in_range(lode_ramp(&value, &rest, x, 0.5f), -0.5f, 0.5f));
+        FUZZ_CHECK(lode_in_range(value, 0.5f, 1.5f));
         const lode_sogi_tuning_t tuning = lode_sogi_tune(x, y);
         const float bounded = lode_clamp(fuzz_float(&in), -1.0e12f, 1.0e12f); // as it asks for
         const lode_sogi_out_t out = lode_sogi_step(&sogi, &tuning, bounded);
