@@ -197,6 +197,16 @@ def assumed(checks, folder):
                  "assumed of a drive that is described")
 
 
+def slow_for_its_rotor(checks, folder):
+    """A rotor that is too quick for the control rate: a higher one is what helps, and the tool says which."""
+    motor = ["design", "--motor", "servo_3kW", "--drive", "servo_3kW"]
+    said = folder.run(*motor, "--set", "drive.f_pwm_Hz=4000").stdout
+    found = re.search(r"largest load step at \d+ rpm is \d+ % of rated torque: raise drive.f_pwm_Hz to (\d+)", said)
+    checks.true(found, f"a higher rate is proposed: {said[-900:]}")
+    after = folder.run(*motor, "--set", f"drive.f_pwm_Hz={found[1]}").stdout
+    checks.true("verdict" in after and "change: the largest load step" not in after, f"at {found[1]} Hz: {after[-900:]}")
+
+
 def first_turn(checks, folder):
     """A motor's data sheet and nothing else: it runs, and what was assumed for it is said."""
     folder.write("sheet.ini", "; from a data sheet\n[motor]\npoles = 14\nKV_rpm_V = 750\n"
@@ -754,6 +764,7 @@ def main():
         speeds(checks, folder)
         assumed(checks, folder)
         first_turn(checks, folder)
+        slow_for_its_rotor(checks, folder)
         full_speed(checks, folder)
         trial_load(checks, folder)
         heavy(checks, folder)
