@@ -208,13 +208,17 @@ static void check_row(const lode_sense_tuning_t *tuning, uint_least8_t omitted,
     }
 }
 
-static void test_long_duties_act_on_the_sample_after_the_next(void) {
+static void test_long_duties_act_on_the_samples_at_both_ends_of_their_period(void) {
     lode_sense_config_t config = board();
     config.duty_max = 0.9f;
     const lode_sense_tuning_t tuning = tuned(&config);
     for (uint_least8_t phase = 0; phase < LODE_PHASES; phase++) {
-        const uint_least8_t later[] = {LODE_PHASES, phase, LODE_PHASES};
-        check_row(&tuning, lode_sense_omit_later(OMITTED_NONE, phase), later);
+        const uint_least8_t ends[] = {phase, phase, LODE_PHASES};
+        check_row(&tuning, lode_sense_omit_later(OMITTED_NONE, phase), ends);
+        for (uint_least8_t other = 0; other < LODE_PHASES; other++) {
+            const uint_least8_t after[] = {other, phase, LODE_PHASES};
+            check_row(&tuning, lode_sense_omit_later(lode_sense_omit_both(other), phase), after);
+        }
         const uint_least8_t both[] = {phase, phase, LODE_PHASES};
         check_row(&tuning, lode_sense_omit_both(phase), both);
     }
@@ -790,7 +794,7 @@ int main(void) {
     RUN_TEST(test_a_phase_without_a_window_follows_from_the_others);
     RUN_TEST(test_of_two_phases_without_a_window_the_longest_is_replaced);
     RUN_TEST(test_the_rail_of_a_sample_that_is_not_used_does_not_count);
-    RUN_TEST(test_long_duties_act_on_the_sample_after_the_next);
+    RUN_TEST(test_long_duties_act_on_the_samples_at_both_ends_of_their_period);
     RUN_TEST(test_windowed_is_where_a_phase_may_be_missing);
     RUN_TEST(test_vector_is_that_of_the_phases);
     RUN_TEST(test_a_current_beyond_the_limit_is_an_alert);

@@ -15,6 +15,8 @@
 #define DEAD_MOST_s (1.2 * DEAD_s) // that a start may measure
 #define SETTLE_s 3.0e-6            // of a shunt's amplifier, dead time included
 #define SAMPLE_s 0.3e-6
+#define CONVERT_s                                                                                  \
+    2.0e-6 // from t_k to the end of the last sample of low-side shunts, one after the other
 #define ROUNDING_s 1.0e-9
 #define DUTY_MAX (1.0 - 2.0 * SETTLE_s * F_PWM)
 #define NO_CURRENT 2048u
@@ -128,7 +130,7 @@ static void read_link(link_t link, uint16_t count[2]) {
     }
 }
 
-// What the ADC delivers at t_k. A shunt whose low side has not been on for long shows nothing.
+// What the ADC delivers at t_k. A low-side shunt shows nothing if its switch has not been on for long, or goes off too soon.
 static lode_counts_t read_board(bench_t *bench) {
     plant_counts_t raw;
     plant_sample(&bench->plant, &raw, NULL);
@@ -137,8 +139,9 @@ static lode_counts_t read_board(bench_t *bench) {
                             .temperature = raw.temperature,
                             .stamp = raw.stamp};
     for (int x = 0; x < 3; x++) {
-        const bool blind =
-            bench->low_s[x] < SETTLE_s - ROUNDING_s || (bench->way == LOW_TWO && x == 2);
+        const bool blind = bench->low_s[x] < SETTLE_s - ROUNDING_s ||
+                           bench->next_low_s[x] < CONVERT_s - ROUNDING_s ||
+                           (bench->way == LOW_TWO && x == 2);
         if (blind && (bench->way == LOW_THREE || bench->way == LOW_TWO)) {
             counts.i[x] = NO_CURRENT;
         }
