@@ -29,7 +29,7 @@ LODE_INLINE uint_least8_t lode_sense_omit_both(uint_least8_t phase) {
 // `phase` is omitted while the newest duties act: in the sample at the end of their period, and in the one at its beginning
 // unless that is without another phase already, whose low side has just been on for too short a time.
 LODE_INLINE uint_least8_t lode_sense_omit_later(uint_least8_t omitted, uint_least8_t phase) {
-    const uint32_t next = omitted & OMITTED_MASK;
+    const uint32_t next = (uint32_t)omitted & OMITTED_MASK;
     const uint32_t first = next == (uint32_t)LODE_PHASES ? phase : next;
     return (uint_least8_t)(first | (uint32_t)phase << OMITTED_BITS);
 }
