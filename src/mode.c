@@ -186,7 +186,8 @@ LODE_NOINLINE bool lode_mode_speed_ok(lode_drive_t *self) {
         trip_memory(self, LODE_MEMORY_TORQUE_LIMIT);
         return false;
     }
-    if (!lode_speed_is_whole(&self->state.run.speed)) {
+    const lode_speed_t *speed = &self->state.run.speed;
+    if (!lode_speed_is_whole(speed) || !lode_speed_left_ok(speed)) {
         trip_memory(self, LODE_MEMORY_SPEED_CONTROL);
         return false;
     }

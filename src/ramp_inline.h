@@ -5,24 +5,20 @@
 #include "lodestar/ramp.h"
 #include "scalar_inline.h"
 
-// Moves `value` by `step`; with all of the `way`, to the `target`. `rest`: what rounding leaves out of the sum (K35).
-LODE_INLINE void lode_ramp_move(float *value, float *rest, float target, float way, float step) {
-    if (lode_in_range(step, way, way)) {
-        *value = target;
-        *rest = 0.0f;
-        return;
-    }
-    lode_add_small(value, rest, step);
-}
-
 // Moves `value` towards `target`, by at most `most` >= 0. Returns by how much. With a target that is not finite it stays.
+// `rest`: what rounding leaves out of the sum (K35).
 LODE_INLINE float lode_ramp(float *value, float *rest, float target, float most) {
     if (!lode_is_finite(target)) {
         return 0.0f;
     }
     const float way = target - *value - *rest;
-    const float step = lode_clamp(way, -most, most);
-    lode_ramp_move(value, rest, target, way, step);
+    if (lode_abs(way) <= most) {
+        *value = target;
+        *rest = 0.0f;
+        return way;
+    }
+    const float step = way < 0.0f ? -most : most;
+    lode_add_small(value, rest, step);
     return step;
 }
 

@@ -343,7 +343,12 @@ LODE_NOINLINE float lode_speed_shaped_step(lode_speed_t *self, const lode_speed_
     const float last = self->step_rad_s;
     const float step = lode_clamp(way < 0.0f ? -size : size, last - jerk, last + jerk);
     self->step_rad_s = step;
-    lode_ramp_move(&self->reference_rad_s, &self->left_rad_s, target, way, step);
+    if (lode_in_range(step, way, way)) { // the last one
+        self->reference_rad_s = target;
+        self->left_rad_s = 0.0f;
+        return step;
+    }
+    lode_add_small(&self->reference_rad_s, &self->left_rad_s, step);
     return step;
 }
 

@@ -20,15 +20,19 @@ float lode_speed_torque_target(lode_speed_t *self, const lode_speed_tuning_t *tu
 // Limits the ramped reference to +-`most_rad_s`, mechanical.
 void lode_speed_bound(lode_speed_t *self, float most_rad_s);
 
-// Half of the last digit of 1e5 rad/s, rounded up: no rounding leaves out more.
-#define LODE_SPEED_LEFT_MAX_rad_s 0.01f
-
-// False: integral or reference, or what rounding has left out of it, has changed by itself.
+// False: integral or reference has changed by itself.
 LODE_INLINE bool lode_speed_is_whole(const lode_speed_t *self) {
     const float integral = self->pi.integral - self->copy.integral_Nm;
     const float reference = self->reference_rad_s - self->copy.reference_rad_s;
-    return lode_abs(integral) + lode_abs(reference) <= 0.0f &&
-           lode_abs(self->left_rad_s) <= LODE_SPEED_LEFT_MAX_rad_s;
+    return lode_abs(integral) + lode_abs(reference) <= 0.0f;
+}
+
+// Half of the last digit of 1e5 rad/s, rounded up: no rounding leaves out more.
+#define LODE_SPEED_LEFT_MAX_rad_s 0.01f
+
+// False: what rounding has left out of the reference has changed by itself.
+LODE_INLINE bool lode_speed_left_ok(const lode_speed_t *self) {
+    return lode_abs(self->left_rad_s) <= LODE_SPEED_LEFT_MAX_rad_s;
 }
 
 #ifndef LODE_WITHOUT_SHAPED_RAMP
