@@ -45,17 +45,15 @@ typedef struct {
     int32_t c;
 } lode_sense_currents_t;
 
-// Computes the omitted phase from the other two.
+// Computes the omitted phase, 0 .. 2, from the other two.
 LODE_INLINE lode_sense_currents_t lode_sense_complete(lode_sense_currents_t i,
                                                       uint_least8_t omitted) {
     if (omitted == 0u) {
         i.a = -(i.b + i.c);
     } else if (omitted == 1u) {
         i.b = -(i.c + i.a);
-    } else if (omitted == 2u) {
-        i.c = -(i.a + i.b);
     } else {
-        // all three were sampled
+        i.c = -(i.a + i.b);
     }
     return i;
 }

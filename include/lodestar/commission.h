@@ -1,4 +1,5 @@
-/// Self-commissioning: the parameters of motor and inverter, measured by the drive itself in under 10 s.
+/// Self-commissioning: the parameters of motor and inverter, measured by the drive itself in under 10 s, if the motor's
+/// start takes less than half of them.
 ///
 /// First the sensors, by voltage pulses too short to turn a rotor. Then, with the rotor held by a current, resistance,
 /// dead-time voltage and inductances. Then flux, inertia and friction, from running up and down with a free shaft. Only
