@@ -2,8 +2,7 @@
 #include "drive_slots_inline.h"
 
 #define TELEMETRY_TRIES 3
-#define ROUNDED                                                                                    \
-    1.000001f // a limit that the caller has computed in another order: some last digits more
+#define ROUNDED 1.000001f    // for a limit that the caller has computed in another order
 #define HELD_SHARE 0.01f     // of the range of torques
 #define MOVED_FLUX_MAX 0.35f // share of the flux that a step of the d current may move
 

@@ -210,8 +210,7 @@ static LODE_NOINLINE void switch_on_ahead(lode_drive_t *self, lode_mode_t driven
 static void follow_precharge(lode_drive_t *self, const lode_sample_t *sample) {
     const lode_mode_t driven = driven_mode(self);
     if (driven != (lode_mode_t)self->state.precharge.driven) {
-        lode_mode_switch_off(
-            self); // another mode has to begin in OFF: it may need to calibrate first
+        lode_mode_switch_off(self); // another mode begins in OFF: it may have to calibrate first
         return;
     }
 #ifdef LODE_WITHOUT_FLYING_START

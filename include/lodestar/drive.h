@@ -113,8 +113,7 @@ typedef struct {
     /// VOLTAGE, CURRENT: electrical angle of that frame at entry into the mode, rad, up to +-LODE_ANGLE_LIMIT_rad; at 0
     /// its d axis lies on phase a
     float theta_rad;
-    float
-        omega_rad_s; ///< VOLTAGE, CURRENT: electrical speed of that frame, rad/s, up to LODE_COMMAND_MAX
+    float omega_rad_s;      ///< electrical speed of that frame, rad/s, up to LODE_COMMAND_MAX
     bool clear_fault;       ///< only with OFF: leave FAULT
     lode_control_t control; ///< RUN: what is controlled
     /// RUN with torque control: positive accelerates towards positive speeds, whatever the present direction. Limited
@@ -370,8 +369,8 @@ typedef struct {
     /// right after a hand-over (K51). The inertia may be less than configured
     bool gains_halved;
     /// failed attempts of the present start, or of the one that has led to RUN: up to 2, and 3 while the last attempt
-    /// is repeated; 0 in OFF and FAULT. With injection also the number of times the rotor was searched for again, up to 3. 0 with
-    /// LODE_WITHOUT_HANDOVER_RETRY
+    /// is repeated; 0 in OFF and FAULT. With injection also the number of times the rotor was searched for again, up to
+    /// 3. Always 0 with LODE_WITHOUT_HANDOVER_RETRY
     uint_least8_t retries;
     /// faults since lode_drive_begin(), modulo 65536: tells a new fault from the last one
     uint_least16_t trips;
