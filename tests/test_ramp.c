@@ -64,6 +64,24 @@ static void test_no_step_of_a_ramp_is_lost_to_rounding(void) {
     }
 }
 
+/// The last step is what is left of the way, with what rounding has left out before.
+static void test_the_steps_of_a_ramp_add_up_to_its_way(void) {
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const float target = 300.0f + (float)sign * 0.01f;
+        float value = 300.0f;
+        float rest = 0.0f;
+        double sum = 0.0;
+        float step;
+        do {
+            step = lode_ramp(&value, &rest, target, 1.3e-5f);
+            sum += (double)step;
+        } while (lode_abs(step) > 0.0f);
+        CHECK_NEAR(1.0e-8, (double)target - 300.0, sum);
+        TEST_ASSERT_EQUAL_FLOAT(target, value);
+        TEST_ASSERT_EQUAL_FLOAT(0.0f, rest);
+    }
+}
+
 static void test_a_target_that_is_no_number_is_ignored(void) {
     for (int i = 0; i < COUNT_OF(check_not_finite); i++) {
         float value = 3.0f;
@@ -91,6 +109,7 @@ int main(void) {
     RUN_TEST(test_ramp_down);
     RUN_TEST(test_ramp_never_overshoots);
     RUN_TEST(test_no_step_of_a_ramp_is_lost_to_rounding);
+    RUN_TEST(test_the_steps_of_a_ramp_add_up_to_its_way);
     RUN_TEST(test_a_target_that_is_no_number_is_ignored);
     RUN_TEST(test_fade);
     return UNITY_END();
