@@ -15,8 +15,7 @@
 #define DEAD_MOST_s (1.2 * DEAD_s) // that a start may measure
 #define SETTLE_s 3.0e-6            // of a shunt's amplifier, dead time included
 #define SAMPLE_s 0.3e-6
-#define CONVERT_s                                                                                  \
-    2.0e-6 // from t_k to the end of the last sample of low-side shunts, one after the other
+#define CONVERT_s 2.0e-6 // from t_k to the end of the last low-side sample
 #define ROUNDING_s 1.0e-9
 #define DUTY_MAX (1.0 - 2.0 * SETTLE_s * F_PWM)
 #define NO_CURRENT 2048u
