@@ -93,11 +93,21 @@ LODE_INLINE bool lode_drive_slot_lag(lode_drive_t *self, const lode_drive_tuning
            lode_drive_watch_half_waves(self);
 }
 
+LODE_INLINE bool lode_drive_measured_ok(const lode_drive_t *self,
+                                        const lode_drive_tuning_t *tuning) {
+#ifdef LODE_WITHOUT_START_MEASUREMENT
+    (void)self;
+    (void)tuning;
+    return true;
+#else
+    return lode_inverter_is_sound(&self->inverter, &tuning->inverter, tuning->start.R_Ohm);
+#endif
+}
+
 LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                            lode_words_t words) {
     lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
-    if (!lode_mode_memory_ok(self, words) ||
-        !lode_inverter_is_sound(&self->inverter, &tuning->inverter)) {
+    if (!lode_mode_memory_ok(self, words) || !lode_drive_measured_ok(self, tuning)) {
         lode_mode_distrust(self);
         return false;
     }

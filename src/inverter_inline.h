@@ -65,17 +65,19 @@ LODE_INLINE float lode_inverter_error(const lode_dead_time_t *dead_time, float i
            (lode_abs(i_A + dead_time->i_dead_A) - lode_abs(i_A - dead_time->i_dead_A));
 }
 
-// What a start has measured is within its limits. NaN is not.
+#ifndef LODE_WITHOUT_START_MEASUREMENT
+
+// Beyond this multiple of the configured resistance no start takes over a measured one, nor a new tuning what is left of it.
+#define LODE_R_MORE_MAX 2.0f
+
+// What a start has measured is within its limits. NaN is not. `R_Ohm`: configured resistance.
 LODE_INLINE bool lode_inverter_is_sound(const lode_inverter_t *self,
-                                        const lode_inverter_tuning_t *tuning) {
-#ifdef LODE_WITHOUT_START_MEASUREMENT
-    (void)self;
-    (void)tuning;
-    return true;
-#else
-    return lode_abs(self->dead_more) <= tuning->dead_more_max;
-#endif
+                                        const lode_inverter_tuning_t *tuning, float R_Ohm) {
+    return lode_abs(self->dead_more) <= tuning->dead_more_max &&
+           lode_abs(self->r_more_Ohm) <= LODE_R_MORE_MAX * R_Ohm;
 }
+
+#endif
 
 // Adapts to the modulation of the voltage `u_V`, and divides by the bus voltage anew. Once in LODE_SLOW_PERIODS.
 LODE_SHARED void lode_inverter_adapt(lode_inverter_t *self, const lode_inverter_tuning_t *tuning,

@@ -328,7 +328,9 @@ static void keep_measured(lode_inverter_t *inverter, const lode_drive_tuning_t *
     const float more = now->inverter.dead_more_max;
     const float longer = now->inverter.dead_duty - before->inverter.dead_duty;
     inverter->dead_more = lode_clamp(inverter->dead_more - longer, -more, more);
-    inverter->r_more_Ohm -= now->start.R_Ohm - before->start.R_Ohm;
+    const float r_more_Ohm = inverter->r_more_Ohm - (now->start.R_Ohm - before->start.R_Ohm);
+    const float most_Ohm = LODE_R_MORE_MAX * now->start.R_Ohm;
+    inverter->r_more_Ohm = lode_clamp(r_more_Ohm, -most_Ohm, most_Ohm);
 #endif
 }
 

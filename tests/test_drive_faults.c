@@ -752,6 +752,33 @@ static void check_speed_flips(rig_t sound) {
     }
 }
 
+/// The resistance that a start may have measured is limited too, and what a new tuning leaves of it.
+static void test_a_measured_resistance_has_become_another(void) {
+    const rig_t sound = before_slot(SLOT_DEAD_TIME, 0.5);
+    const float most = 2.0f * sound.drive.tuning->start.R_Ohm;
+    const float wrong[] = {1.01f * most, -1.01f * most, NAN, 0.99f * most, -0.99f * most};
+    for (int n = 0; n < COUNT_OF(wrong); n++) {
+        rig_t rig = sound;
+        rig.drive.inverter.r_more_Ohm = wrong[n];
+        rig_step(&rig);
+        TEST_ASSERT_EQUAL_STRING(lode_check_name(n < 3 ? LODE_CHECK_MEMORY : LODE_CHECK_NONE),
+                                 lode_check_name(rig_telemetry(&rig).fault.check));
+    }
+    for (int n = 0; n < 2; n++) {
+        rig_t rig = sound;
+        const float sign = n == 0 ? 1.0f : -1.0f;
+        rig.drive.inverter.r_more_Ohm = sign * 0.9f * most;
+        static lode_drive_tuning_t other;
+        other = *sound.drive.tuning;
+        other.start.R_Ohm *= n == 0 ? 0.5f : 1.5f;
+        TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&rig.drive, &other));
+        rig_step(&rig);
+        // 1.8 R + 0.5 R, of at most 2 x 0.5 R; -1.8 R - 0.5 R, of at most 2 x 1.5 R
+        CHECK_CLOSE(1.0e-5, (n == 0 ? 0.5 : -1.15) * (double)most, rig.drive.inverter.r_more_Ohm);
+        TEST_ASSERT_EQUAL_INT(LODE_CHECK_NONE, rig_telemetry(&rig).fault.check);
+    }
+}
+
 /// What rounding has left out of the reference is less than its last digit: more would move the reference.
 static void test_a_rest_beyond_rounding_trips(void) {
     const rig_t sound = before_slot(SLOT_DEAD_TIME, 0.5);
@@ -978,6 +1005,7 @@ int main(void) {
     RUN_TEST(test_a_driven_mode_that_became_another_trips_at_once);
     RUN_TEST(test_mail_is_read_once);
     RUN_TEST(test_a_measured_dead_time_has_become_another);
+    RUN_TEST(test_a_measured_resistance_has_become_another);
     RUN_TEST(test_the_current_of_a_trip_is_reported);
     RUN_TEST(test_after_a_mailbox_that_lies_the_drive_can_be_started_again);
     RUN_TEST(test_an_estimate_of_no_motor_is_a_lost_lock);
