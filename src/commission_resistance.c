@@ -86,8 +86,12 @@ void lode_commission_across(lode_commission_t *self, lode_dq_t i_A) {
     lode_commission_vector_t *vector = &self->vector;
     const float length_A = lode_commission_length(i_A);
     if (self->level == (uint32_t)LODE_PHASES * self->sets) {
+        if (self->since == 0u) {
+            vector->first_A = length_A; // of the last pulse
+        }
         // Stays set: while the rotor turns, its EMF may take the current away again.
-        vector->flows = vector->flows || length_A >= SOME_SHARE * self->current_A;
+        const float some_A = SOME_SHARE * self->current_A + vector->first_A;
+        vector->flows = vector->flows || length_A >= some_A;
         self->quantity = LODE_COMMISSION_RS_Ohm;
         vector->now_V += vector->flows ? vector->slow_V : vector->quick_V;
         lode_commission_post_vector(self, LODE_MODE_VOLTAGE, 0.0f, vector->now_V);

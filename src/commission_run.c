@@ -1,4 +1,5 @@
 #include "commission_parts.h"
+#include "start_parts.h"
 
 #ifndef LODE_WITHOUT_COMMISSIONING
 
@@ -93,15 +94,28 @@ static bool is_light(const lode_drive_config_t *config) {
            PLL_SETTLES * torque_clear_Nm(config);
 }
 
-// Flux and inertia are not known yet. So the EMF at hand-over gets more room than usual, and speed control, whose torque goes
-// with the inertia, no more acceleration than the run has. Within the dead band of the currents the loss by dead time changes
+// A configured hand-over speed is the least. The default also makes room for a resistance and a dead time that nobody knows,
+// which are measured by now, and for the load steps of a machine with much reluctance (S52), but this shaft is free.
+static float least_handover_rad_s(const lode_commission_t *self) {
+    const lode_start_config_t *start = &self->designed.start;
+    return self->config.start.omega_handover_rad_s > 0.0f
+               ? start->omega_handover_rad_s
+               : lode_min(
+                     lode_start_least_rad_s(start, &self->designed.inverter, &self->designed.motor),
+                     start->omega_handover_rad_s);
+}
+
+// Flux and inertia are not known yet. So the EMF at hand-over has HANDOVER_SHARE of what it has at rated speed, and speed
+// control, whose torque goes with the inertia, no more acceleration than the run. The start need not measure again. Within the dead band of the currents the loss by dead time changes
 // with speed and enters the slope: a light rotor, whose torque takes less current, gets a d current that is clear of it.
 lode_drive_config_t lode_commission_for_run(lode_commission_t *self) {
     const float handover = self->designed.start.omega_handover_rad_s;
     const float wanted = HANDOVER_SHARE * self->designed.motor.omega_rated_rad_s;
     lode_drive_config_t config = self->config;
-    config.start.omega_handover_rad_s = lode_clamp(wanted, handover, HANDOVER_MORE * handover);
+    config.start.omega_handover_rad_s =
+        lode_clamp(wanted, least_handover_rad_s(self), HANDOVER_MORE * handover);
     self->designed.start.omega_handover_rad_s = config.start.omega_handover_rad_s;
+    config.start.measure = config.start.measure == LODE_AUTO ? LODE_OFF : config.start.measure;
     config.speed.ramp_rad_s2 =
         lode_min(self->designed.speed.ramp_rad_s2, span_rad_s(&self->designed) / RUN_TIME_s);
     if (is_light(&self->designed)) {
@@ -246,14 +260,15 @@ static void take_run(lode_commission_t *self, uint32_t way) {
     };
 }
 
-// The run was made with a flux, an inertia or a torque so far off that it is made again. `unequal`: as for the confidence of
-// the inertia; a run that does not agree with itself is repeated only once.
+// The run was made with a flux, an inertia or a torque so far off that it is made again. A rotor that is heavier than assumed
+// takes longer, so that the PLL has more time to settle; one that is too slow gets more torque. `unequal`: as for the confidence
+// of the inertia; a run that does not agree with itself is repeated only once.
 static bool is_rough(const lode_commission_t *self, float psi_Wb, float J, float unequal) {
     const lode_motor_t *motor = &self->config.motor;
     const bool may = self->runs == 0u || (self->runs + 1u < RUNS_MOST && unequal <= 1.0f);
     return may && psi_Wb > 0.0f && J > 0.0f &&
            (self->raises > 0u || lode_abs(psi_Wb - motor->psi_Wb) > PSI_ROUGH * motor->psi_Wb ||
-            lode_abs(J - motor->J_kgm2) > J_ROUGH * motor->J_kgm2);
+            J < (1.0f - J_ROUGH) * motor->J_kgm2);
 }
 
 // Friction is the same up and down through the same speeds, so that it cancels from the inertia.

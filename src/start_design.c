@@ -217,6 +217,12 @@ static float within_speeds(float omega_rad_s, const lode_motor_t *motor,
     return lode_clamp(omega_rad_s, least, lode_max(most_omega(motor, inverter), least));
 }
 
+float lode_start_least_rad_s(const lode_start_config_t *config,
+                             const lode_inverter_config_t *inverter, const lode_motor_t *motor) {
+    return lode_max(seen_omega(motor, inverter, config->current_A),
+                    omega_of_light_rotor(motor, inverter, config->current_A));
+}
+
 bool lode_start_has_emf(const lode_start_config_t *config, const lode_inverter_config_t *inverter,
                         const lode_motor_t *motor) {
     return seen_omega(motor, inverter, config->current_A) <= most_omega(motor, inverter);

@@ -14,4 +14,9 @@
 // Share of the current at which resistance and dead time are measured first.
 #define LEVEL_SHARE 0.5f
 
+// Electrical hand-over speed that is needed even where resistance and dead time are known: for current sensors whose gains
+// differ, and for a light rotor (S18).
+float lode_start_least_rad_s(const lode_start_config_t *config,
+                             const lode_inverter_config_t *inverter, const lode_motor_t *motor);
+
 #endif

@@ -1,5 +1,5 @@
 /// Self-commissioning: the parameters of motor and inverter, measured by the drive itself in under 10 s, if the motor's
-/// start takes less than half of them.
+/// start takes less than half of them (docs/commissioning.md).
 ///
 /// First the sensors, by voltage pulses too short to turn a rotor. Then, with the rotor held by a current, resistance,
 /// dead-time voltage and inductances. Then flux, inertia and friction, from running up and down with a free shaft. Only
@@ -91,6 +91,7 @@ typedef struct {
     float most_V;
     float quick_V; ///< change per period until a current flows
     float slow_V;  ///< change per period afterwards
+    float first_A; ///< current that was left when it began
     bool flows;    ///< a current has flowed
     bool rises;    ///< it is rising to the next level
 } lode_commission_vector_t;
