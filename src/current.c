@@ -11,7 +11,8 @@
 #define D_SHARE_WEAKENED 0.97f
 #define Q_MOST                                                                                     \
     0.9f // closer to the edge, the voltage left for d changes too fast with the EMF (K32)
-#define Q_SHARE 0.1f // left for the q axis to control its current while braking (K32)
+#define Q_SHARE 0.1f        // left for the q axis to control its current while braking (K32)
+#define INTEGRAL_MOST 1.25f // of the circle (K52)
 
 void lode_current_design(lode_current_config_t *config, const lode_motor_t *motor, float ts_s) {
     config->bandwidth_rad_s = lode_given_or(config->bandwidth_rad_s, BANDWIDTH_TS / ts_s);
@@ -86,12 +87,25 @@ static float left_V(float radius_V, float other_V) {
     return lode_sqrt(lode_max(radius_V * radius_V - other_V * other_V, 0.0f));
 }
 
+// What the controller asks for, without an integral that the circle cannot explain (K52). NaN stays: the guard sees it.
+static float asked_V(lode_pi_t *self, const lode_pi_tuning_t *tuning, float error_A,
+                     float induced_V, float radius_V) {
+    if (lode_abs(self->integral) > INTEGRAL_MOST * radius_V) {
+        lode_pi_reset(self, 0.0f);
+    }
+    return lode_pi_output(self, tuning, error_A, induced_V);
+}
+
 // Not LODE_RAMFUNC: only with the voltage used up, and small fast memories have no room for it.
 LODE_NOINLINE lode_dq_t lode_current_limit(lode_current_t *self,
                                            const lode_current_tuning_t *tuning,
                                            const lode_current_case_t *at) {
-    // d first: it holds the flux. When braking, it leaves q the EMF and some more (K32).
+    const lode_pi_tuning_t q = {self->kp_q_V_A, tuning->q.ki_Ts};
     const float radius_V = lode_max(at->radius_V, 0.0f);
+    const lode_dq_t asked = {
+        asked_V(&self->d, &tuning->d, at->error_A.d, at->induced_V.d, radius_V),
+        asked_V(&self->q, &q, at->error_A.q, at->induced_V.q, radius_V)};
+    // d first: it holds the flux. When braking, it leaves q the EMF and some more (K32).
     const bool weakens = tuning->weakens != 0u;
     const float d_share_V = radius_V * (weakens ? D_SHARE_WEAKENED : D_SHARE);
     float d_max_V = d_share_V;
@@ -100,10 +114,10 @@ LODE_NOINLINE lode_dq_t lode_current_limit(lode_current_t *self,
             lode_min(lode_abs(at->induced_V.q) + Q_SHARE * radius_V, Q_MOST * radius_V);
         d_max_V = lode_min(d_max_V, left_V(radius_V, q_V));
     }
-    const float ud_V = lode_clamp(at->unlimited_V.d, -d_share_V, d_max_V);
+    const float ud_V = lode_clamp(asked.d, -d_share_V, d_max_V);
     const float q_max_V = left_V(radius_V, ud_V);
-    const lode_dq_t u_V = {ud_V, lode_clamp(at->unlimited_V.q, -q_max_V, q_max_V)};
-    lode_pi_settle(&self->d, &tuning->d, at->error_A.d, at->induced_V.d, at->unlimited_V.d, u_V.d);
-    lode_pi_settle(&self->q, &tuning->q, at->error_A.q, at->induced_V.q, at->unlimited_V.q, u_V.q);
+    const lode_dq_t u_V = {ud_V, lode_clamp(asked.q, -q_max_V, q_max_V)};
+    lode_pi_settle(&self->d, &tuning->d, at->error_A.d, at->induced_V.d, asked.d, u_V.d);
+    lode_pi_settle(&self->q, &q, at->error_A.q, at->induced_V.q, asked.q, u_V.q);
     return u_V;
 }

@@ -15,7 +15,6 @@ typedef struct {
 typedef struct {
     lode_dq_t error_A;
     lode_dq_t induced_V;
-    lode_dq_t unlimited_V;
     float radius_V;
 } lode_current_case_t;
 
@@ -52,7 +51,7 @@ LODE_INLINE lode_current_out_t lode_current_step(lode_current_t *self,
         lode_pi_integrate(&self->q, &tuning->q, error.q);
         return (lode_current_out_t){unlimited, true};
     }
-    const lode_current_case_t edge = {error, ff, unlimited, tuning->circle * v_bus_V};
+    const lode_current_case_t edge = {error, ff, tuning->circle * v_bus_V};
     const lode_dq_t u_V =
         lode_current_limit(self, tuning, &edge); // copied, as in estimator_inline.h
     return (lode_current_out_t){{u_V.d, u_V.q}, false};

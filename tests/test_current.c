@@ -94,8 +94,8 @@ static void test_circle_with_d_first_and_headroom_for_q(void) {
     const lode_current_tuning_t tuning = tuned(&config);
     random_t random = random_seed(2);
     for (int n = 0; n < CHECK_TRIES(50000); n++) {
-        lode_current_t current = {.d = {random_float(&random, -200.0, 200.0)},
-                                  .q = {random_float(&random, -200.0, 200.0)}};
+        lode_current_t current = {.d = {random_float(&random, -129.0, 129.0)},
+                                  .q = {random_float(&random, -129.0, 129.0)}};
         const lode_current_t before = current;
         const lode_dq_t u = control(&current, &tuning, (lode_dq_t){0.0f, 0.0f},
                                     (lode_dq_t){0.0f, 0.0f}, 0.0f, 200.0f);
@@ -119,8 +119,8 @@ static void test_q_keeps_the_emf_where_the_motor_brakes(void) {
     for (int n = 0; n < CHECK_TRIES(50000); n++) {
         const float omega = random_float(&random, -1000.0, 1000.0);
         const double emf = (double)omega * 0.142;
-        lode_current_t current = {.d = {random_float(&random, -200.0, 200.0)},
-                                  .q = {random_float(&random, -200.0, 200.0)}};
+        lode_current_t current = {.d = {random_float(&random, -129.0, 129.0)},
+                                  .q = {random_float(&random, -129.0, 129.0)}};
         const double iq = random_between(&random, -5.0, 5.0);
         const lode_dq_t i = {0.0f, (float)iq};
         const double unlimited_d = (double)current.d.integral - (double)omega * 9.8e-3 * iq;
@@ -147,9 +147,10 @@ static void test_circle_follows_the_bus(void) {
     const lode_current_tuning_t tuning = tuned(&config);
     const float buses[] = {400.0f, 200.0f, 20.0f, 0.0f, -100.0f, NAN};
     for (int i = 0; i < COUNT_OF(buses); i++) {
-        lode_current_t current = {.d = {0.0f}, .q = {500.0f}};
+        lode_current_t current = {.d = {0.0f}};
+        const lode_dq_t ref = {0.0f, 100.0f};
         const lode_dq_t zero = {0.0f, 0.0f};
-        const lode_dq_t u = control(&current, &tuning, zero, zero, 0.0f, buses[i]);
+        const lode_dq_t u = control(&current, &tuning, ref, zero, 0.0f, buses[i]);
         const double bus = buses[i] > 0.0f ? (double)buses[i] : 0.0;
         CHECK_NEAR(1.0e-4, 0.9 * bus / sqrt(3.0), u.q);
     }
@@ -488,14 +489,15 @@ static void test_more_voltage_than_the_hexagon_has_is_not_free(void) {
     }
 }
 
-/// From far beyond the circle an error of the other sign leads inside it in the very next period.
+/// From beyond the circle an error of the other sign leads inside it in the very next period.
 static void test_at_the_circle_neither_axis_winds_up(void) {
     const lode_current_config_t config = sound();
     const lode_current_tuning_t tuning = tuned(&config);
     const lode_dq_t zero = {0.0f, 0.0f};
     for (int sign = -1; sign <= 1; sign += 2) {
-        lode_current_t d = {.d = {500.0f * (float)sign}};
-        lode_current_t q = {.q = {500.0f * (float)sign}};
+        const float beyond_V = 1.24f * (float)(RADIUS * sign);
+        lode_current_t d = {.d = {beyond_V}};
+        lode_current_t q = {.q = {beyond_V}};
         const lode_dq_t at = {control(&d, &tuning, zero, zero, 0.0f, 200.0f).d,
                               control(&q, &tuning, zero, zero, 0.0f, 200.0f).q};
         CHECK_NEAR(1.0e-3, 0.9 * RADIUS * sign, at.d);
@@ -506,6 +508,25 @@ static void test_at_the_circle_neither_axis_winds_up(void) {
                    control(&d, &tuning, zero, i, 0.0f, 200.0f).d + 0.0f);
         CHECK_NEAR(1.0e-3, (double)at.q - 9.2 * sign,
                    control(&q, &tuning, zero, i, 0.0f, 200.0f).q + 0.0f);
+    }
+}
+
+/// An integral that no current and no error of the feed-forward explains is dropped, on either axis (K52).
+static void test_an_integral_beyond_the_circle_is_dropped(void) {
+    const lode_current_config_t config = sound();
+    const lode_current_tuning_t tuning = tuned(&config);
+    const lode_dq_t ref = {-1.0f, 2.0f};
+    const lode_dq_t i = {-2.0f, 1.0f};
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const float wrong_V = 1.26f * (float)(RADIUS * sign);
+        lode_current_t none = {.d = {0.0f}};
+        lode_current_t both = {.d = {wrong_V}, .q = {1.0e20f * (float)sign}};
+        const lode_dq_t u = control(&both, &tuning, ref, i, 100.0f, 200.0f);
+        const lode_dq_t wanted = control(&none, &tuning, ref, i, 100.0f, 200.0f);
+        CHECK_CLOSE(1.0e-6, (double)wanted.d, u.d);
+        CHECK_CLOSE(1.0e-6, (double)wanted.q, u.q);
+        CHECK_CLOSE(1.0e-6, (double)none.d.integral, both.d.integral);
+        CHECK_CLOSE(1.0e-6, (double)none.q.integral, both.q.integral);
     }
 }
 
@@ -549,6 +570,7 @@ int main(void) {
     RUN_TEST(test_gains_have_a_range);
     RUN_TEST(test_more_voltage_than_the_hexagon_has_is_not_free);
     RUN_TEST(test_at_the_circle_neither_axis_winds_up);
+    RUN_TEST(test_an_integral_beyond_the_circle_is_dropped);
     RUN_TEST(test_design_fills_what_is_open);
     return UNITY_END();
 }
