@@ -107,8 +107,12 @@ LODE_INLINE bool lode_drive_measured_ok(const lode_drive_t *self,
 LODE_INLINE bool lode_drive_slot_dead_time(lode_drive_t *self, const lode_drive_tuning_t *tuning,
                                            lode_words_t words) {
     lode_inverter_adapt(&self->inverter, &tuning->inverter, self->u_V);
-    if (!lode_mode_memory_ok(self, words) || !lode_drive_measured_ok(self, tuning)) {
+    if (!lode_mode_memory_ok(self, words)) {
         lode_mode_distrust(self);
+        return false;
+    }
+    if (!lode_drive_measured_ok(self, tuning)) {
+        lode_mode_trip_memory(self, LODE_MEMORY_START);
         return false;
     }
     if (lode_mode(self) != LODE_MODE_RUN) {

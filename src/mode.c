@@ -142,7 +142,7 @@ LODE_NOINLINE void lode_mode_fault(lode_drive_t *self, lode_check_t check, float
     lode_mode_obey_guard(self);
 }
 
-static void trip_memory(lode_drive_t *self, lode_memory_t corrupted) {
+void lode_mode_trip_memory(lode_drive_t *self, lode_memory_t corrupted) {
     lode_mode_fault(self, LODE_CHECK_MEMORY, (float)corrupted, 0.0f);
 }
 
@@ -159,7 +159,7 @@ LODE_NOINLINE void lode_mode_distrust(lode_drive_t *self) {
     self->command.check = lode_mode_order_check(&self->command);
     self->direction = lode_sign(self->direction);
     const lode_memory_t other = mode ? LODE_MEMORY_TUNING : LODE_MEMORY_MODE;
-    trip_memory(self, command ? other : LODE_MEMORY_COMMAND);
+    lode_mode_trip_memory(self, command ? other : LODE_MEMORY_COMMAND);
 }
 
 // Not LODE_RAMFUNC, like the check that follows: small fast memories have no room for it.
@@ -167,7 +167,7 @@ LODE_NOINLINE bool lode_mode_motion_ok(lode_drive_t *self) {
     if (lode_estimator_motion_ok(&self->estimator, &self->tuning->estimator)) {
         return true;
     }
-    trip_memory(self, LODE_MEMORY_ESTIMATE);
+    lode_mode_trip_memory(self, LODE_MEMORY_ESTIMATE);
     return false;
 }
 
@@ -183,12 +183,12 @@ static bool limits_are_sound(const lode_drive_t *self) {
 
 LODE_NOINLINE bool lode_mode_speed_ok(lode_drive_t *self) {
     if (!limits_are_sound(self)) {
-        trip_memory(self, LODE_MEMORY_TORQUE_LIMIT);
+        lode_mode_trip_memory(self, LODE_MEMORY_TORQUE_LIMIT);
         return false;
     }
     const lode_speed_t *speed = &self->state.run.speed;
     if (!lode_speed_is_whole(speed) || !lode_speed_left_ok(speed)) {
-        trip_memory(self, LODE_MEMORY_SPEED_CONTROL);
+        lode_mode_trip_memory(self, LODE_MEMORY_SPEED_CONTROL);
         return false;
     }
     return true;

@@ -123,6 +123,9 @@ bool lode_mode_speed_ok(lode_drive_t *self);
 // a lock at a wrong angle may come before all of that time is over.
 void lode_mode_lose_rotor(lode_drive_t *self);
 
+// Trips with LODE_CHECK_MEMORY.
+void lode_mode_trip_memory(lode_drive_t *self, lode_memory_t corrupted);
+
 // Trips because mode, command, mailbox or tuning are corrupt.
 void lode_mode_distrust(lode_drive_t *self);
 

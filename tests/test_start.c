@@ -440,7 +440,8 @@ static void test_a_loaded_rotor_at_speed_is_calmed(void) {
 /// The more flux the current takes from a salient rotor, the more its EMF's size shows the angle, too.
 static void test_the_size_of_the_emf_comes_in_with_speed(void) {
     const lode_start_config_t config = sound();
-    const lode_start_tuning_t tuning = tuned(&config);
+    lode_start_tuning_t tuning = tuned(&config);
+    tuning.current_last_A = 1000.0f;
     const lode_motor_t motor = paper_motor();
     const double lost_per_A = (double)(motor.Lq_H - motor.Ld_H) / 0.142;
     const struct {
@@ -621,6 +622,20 @@ static void test_a_vector_that_turns_does_not_sweep(void) {
 }
 
 /// (S53): after an attempt that has failed current and sweep rise at half the rate; the current falls as fast as ever.
+/// Wherever it comes from, the current is not beyond that of the last attempt.
+static void test_the_current_has_a_bound(void) {
+    const lode_start_config_t config = sound();
+    const lode_start_tuning_t tuning = tuned(&config);
+    const float last_A = tuning.current_last_A;
+    const float set_A[] = {4.0f * last_A, 0.9f * last_A};
+    for (int n = 0; n < COUNT_OF(set_A); n++) {
+        lode_start_t start;
+        lode_start_reset(&start, lode_sincos(0.0f), 20.0f, set_A[n]);
+        aim(&start, &tuning, 47.0f, 2.0f);
+        CHECK_CLOSE(1.0e-6, fmin((double)set_A[n], (double)last_A), start.current_A);
+    }
+}
+
 static void test_a_later_attempt_rises_at_half_the_rate(void) {
     const lode_start_config_t config = sound();
     const lode_start_tuning_t tuning = tuned(&config);
@@ -1167,6 +1182,7 @@ static double give_at(const lode_start_tuning_t *tuning, float omega, float curr
 static void test_damping_gives_way_to_current_and_speed(void) {
     lode_start_config_t config = sound();
     config.damping = 0.5f;
+    config.current_last_A = 12.0f;
     const lode_motor_t motor = paper_motor();
     const lode_start_tuning_t tuning = tuned(&config);
     const double swing = sqrt(3.0 * 8.0 * 0.639 / 0.0174);
@@ -2373,6 +2389,7 @@ int main(void) {
     RUN_TEST(test_the_last_attempt_takes_what_lock_there_is);
     RUN_TEST(test_hand_over_needs_speed_and_direction);
     RUN_TEST(test_a_vector_that_turns_does_not_sweep);
+    RUN_TEST(test_the_current_has_a_bound);
     RUN_TEST(test_a_later_attempt_rises_at_half_the_rate);
     RUN_TEST(test_the_next_vector_is_known);
     RUN_TEST(test_a_rotor_that_turns_already_is_caught);

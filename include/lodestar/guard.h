@@ -68,7 +68,8 @@ typedef enum {
     LODE_MEMORY_TUNING,        ///< a word of its structure
     LODE_MEMORY_ESTIMATE,      ///< its speed or load
     LODE_MEMORY_SPEED_CONTROL, ///< its integral or its ramped reference
-    LODE_MEMORY_TORQUE_LIMIT   ///< that of lode_drive_limit_torque(); it has to be set again
+    LODE_MEMORY_TORQUE_LIMIT,  ///< that of lode_drive_limit_torque(); it has to be set again
+    LODE_MEMORY_START          ///< resistance or dead time that a start has measured
 } lode_memory_t;
 
 /// The enumerator's name, for logs.
