@@ -4,7 +4,8 @@
 #define TELEMETRY_TRIES 3
 #define ROUNDED 1.000001f    // for a limit that the caller has computed in another order
 #define HELD_SHARE 0.01f     // of the range of torques
-#define MOVED_FLUX_MAX 0.35f // share of the flux that a step of the d current may move
+#define MOVED_FLUX_MAX 0.35f // share of the flux that a hurried change of the d current may move
+#define FADE_HURRY 24.0f     // (S20): twice the default bias in 2 ms
 
 lode_status_t lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     if (self == NULL || tuning == NULL) {
@@ -366,15 +367,16 @@ static lode_range_t allowed_speeds(const lode_drive_t *self) {
 }
 
 // Next value of the start current's fade. While the current passes through zero, the dead time's effect on all phases is
-// unknown. So the part in which the current is shorter than the bias is skipped (S20), except in a very salient rotor: there
-// the step moves so much flux that an error of Lq - Ld disturbs the EMF.
+// unknown. So it hurries where the current is shorter than the bias (S20), except in a very salient rotor: there the change
+// moves so much flux that an error of Lq - Ld disturbs the EMF.
 LODE_NOINLINE float lode_drive_faded(const lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const float bias_A = tuning->references.id_bias_A;
     const lode_dq_t i_A = self->ref_A;
     const bool is_short = i_A.d * i_A.d + i_A.q * i_A.q < bias_A * bias_A &&
                           2.0f * bias_A * tuning->start.lost_per_A <= MOVED_FLUX_MAX;
-    return is_short ? 0.0f : lode_max(self->state.run.fade - tuning->start.fade_step, 0.0f);
+    const float step = (is_short ? FADE_HURRY : 1.0f) * tuning->start.fade_step;
+    return lode_max(self->state.run.fade - step, 0.0f);
 }
 
 LODE_NOINLINE float lode_drive_other_target(lode_drive_t *self, float omega_rad_s, float load_Nm) {
