@@ -53,6 +53,11 @@ static void print_table(FILE *file, const commission_run_t *run) {
         if (fabs(run->truth[k]) > 0.0) {
             (void)fprintf(file, " %9.2f", 100.0 * ((double)found->value / run->truth[k] - 1.0));
         }
+        if (found->confidence < LODE_COMMISSION_SURE) {
+            (void)fputs(fabs(run->truth[k]) > 0.0 ? "  unsure: not used"
+                                                  : "            unsure: not used",
+                        file);
+        }
         (void)fputc('\n', file);
     }
     print_lowered(file, run);

@@ -46,7 +46,7 @@ static void report_no_speed(const rig_config_t *config, const char *motor) {
         return;
     }
     rig_error(
-        "%s: no speed to run at: with i_max, %.3g A, Rs takes all of the phase voltage of %.3g V; "
+        "%s: no speed to run at: with i_max, %.3g A, Rs and r_on take all of the phase voltage of %.3g V; "
         "`design` with the same arguments tells more",
         motor, (double)inverter->i_max_A, (double)inverter->v_bus_V / sqrt(3.0));
 }

@@ -30,7 +30,7 @@ static const plausible_t catalogue = {
          .usual_high = 72.0,
          .least = 0.2,
          .most = 100.0,
-         .made_of = "Rs in Ohm, i_max in A, v_bus in V"},
+         .made_of = "Rs and r_on in Ohm, i_max in A, v_bus in V"},
         {.key = "run_up",
          .name = "run-up to rated speed with i_max",
          .unit = "ms",
@@ -38,7 +38,7 @@ static const plausible_t catalogue = {
          .usual_high = 360.0,
          .least = 1.2,
          .most = 1.8e3,
-         .made_of = "J in kg m2, psi in Wb, i_max in A"},
+         .made_of = "J in kg m2, psi in Wb, i_max in A, rated speed in mechanical rpm"},
         {.key = "no_load_speed",
          .name = "no-load speed",
          .unit = "times rated speed",
@@ -57,7 +57,7 @@ plausible_t plausible_of(const lode_drive_config_t *drive) {
     const double values[PLAUSIBLE_RATIOS] = {
         1.0e3 * (double)motor->Lq_H / Rs_Ohm,
         (double)motor->psi_Wb / ((double)motor->Ld_H * i_max_A),
-        100.0 * Rs_Ohm * i_max_A / circle_V,
+        100.0 * (Rs_Ohm + (double)drive->inverter.r_on_Ohm) * i_max_A / circle_V,
         1.0e3 * (double)lode_motor_run_up_s(motor, drive->inverter.i_max_A),
         (double)drive->current.voltage_use * circle_V /
             ((double)motor->psi_Wb * (double)motor->omega_rated_rad_s),
@@ -70,7 +70,8 @@ plausible_t plausible_of(const lode_drive_config_t *drive) {
 }
 
 bool plausible_is_doubtful(const plausible_ratio_t *ratio) {
-    return isfinite(ratio->value) && (ratio->value < ratio->least || ratio->value > ratio->most);
+    return isfinite(ratio->value) && ratio->value > 0.0 &&
+           (ratio->value < ratio->least || ratio->value > ratio->most);
 }
 
 int plausible_print_doubts(FILE *file, const plausible_t *self) {

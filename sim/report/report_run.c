@@ -48,8 +48,9 @@ static void cell(FILE *file, int width, int decimals, double value) {
 }
 
 static void print_phase(FILE *file, const runner_phase_t *phase) {
-    (void)fprintf(file, "%-14s %6.2f %6.2f", phase->name, phase->start_s, phase->end_s);
-    cell(file, 7, 0, phase->speed_command_rpm);
+    (void)fprintf(file, "%-18s %6.2f %6.2f", phase->name, phase->start_s, phase->end_s);
+    const double wanted_rpm = phase->speed_command_rpm;
+    cell(file, 7, fabs(wanted_rpm - round(wanted_rpm)) < 0.05 ? 0 : 1, wanted_rpm);
     cell(file, 8, 1, rig_stats_mean(&phase->speed_rpm));
     cell(file, 6, 1, rig_stats_peak_to_peak(&phase->speed_rpm));
     cell(file, 6, 2, phase->load_Nm);
@@ -218,9 +219,9 @@ static void print_heading(FILE *file, const rig_config_t *config) {
 void report_run_table(FILE *file, const rig_config_t *config, const runner_result_t *result,
                       const runlog_t *log) {
     print_heading(file, config);
-    (void)fputs("phase            from     to   speed [rpm]             load  angle error [deg]"
+    (void)fputs("phase                from     to   speed [rpm]             load  angle error [deg]"
                 "      id     iq   lock  mode\n"
-                "                    s      s  wanted     mean     pp     Nm    mean     pp"
+                "                        s      s  wanted     mean     pp     Nm    mean     pp"
                 "    max  A rms  A rms   min  at end\n",
                 file);
     for (int k = 0; k < result->phases; ++k) {

@@ -609,7 +609,7 @@ static const char *why_not(const run_t *run, double omega_rad_s) {
         return ", above what the bus voltage allows without load";
     }
     if (fabs(run->rotor_rpm - run->speed_goal_rpm) <= SPEED_REACHED * fabs(run->speed_goal_rpm)) {
-        return ", which it has passed or reached at the very end";
+        return ", as the mean of the last part of the phase; by now the speed is reached";
     }
     if ((lode_drive_limited(run->rig.drive) & (uint32_t)LODE_LIMITED_TORQUE) == 0u) {
         return "";

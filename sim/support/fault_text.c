@@ -96,9 +96,11 @@ void fault_text(const lode_fault_t *fault, char *text, size_t size) {
 static const char *start_hint(lode_criterion_t criterion) {
     switch (criterion) {
     case LODE_CRITERION_REST:
-    case LODE_CRITERION_EMF:
         return "the rotor has not followed: start.current_A and the load, start.ramp_rad_s2 and "
                "the inertia";
+    case LODE_CRITERION_EMF:
+        return "the rotor has not followed: start.current_A and the load, start.ramp_rad_s2 and "
+               "the inertia; or psi_Wb is too large (peak for RMS, line-to-line for phase)";
     case LODE_CRITERION_SPEED:
     case LODE_CRITERION_FLUX:
     case LODE_CRITERION_LOCK:

@@ -469,6 +469,15 @@ static bool refuse_option(const command_t *command, int answer, const char *give
     return false;
 }
 
+static bool takes_motor(const command_t *command) {
+    for (int k = 0; k < TABLE_ROWS; ++k) {
+        if (strcmp(table[k].name, "motor") == 0) {
+            return (table[k].commands & command->mask) != 0;
+        }
+    }
+    return false;
+}
+
 static bool is_repeatable(int letter) {
     return letter == 's' || letter == 'l';
 }
@@ -657,8 +666,9 @@ static bool take_operands(options_t *options, const command_t *command, int argc
     }
     if (next < argc) {
         const bool is_json = options->json_on_stdout;
-        rig_error("%s: expected no argument here%s%s", argv[next], is_json ? ", or --json=" : "",
-                  is_json ? argv[next] : "");
+        const char *option = is_json ? ", or --json=" : takes_motor(command) ? ", or --motor " : "";
+        rig_error("%s: expected no argument here%s%s", argv[next], option,
+                  option[0] != '\0' ? argv[next] : "");
         return false;
     }
     return true;
