@@ -168,9 +168,11 @@ static void test_finds_the_machine(void) {
     static const double angles[] = {0.0, 1.6, -1.55, 3.14, -2.0, 2.5};
     for (int k = 0; k < COUNT_OF(angles); k++) {
         plant_config_t c = machine();
-        const lode_drive_config_t config = sheet();
+        lode_drive_config_t config = sheet();
+        config.motor.sets = (float)(k % 2); // 0 is 1
         c.theta_e_rad = angles[k];
         begin(&c, &config, NULL);
+        TEST_ASSERT_EQUAL_PTR(&rig.tuning[0], rig.drive.tuning);
         expect(LODE_COMMISSION_DONE);
         rig.moved_deg = 0.0; // counted from another angle
         check_found(&c);
@@ -584,17 +586,21 @@ static void test_no_run_without_a_span(void) {
     }
 }
 
+static int too_much;
 static void want_too_much(rig_t *r) {
     if (r->commission.stage == UP) {
         r->commission.high_rad_s = 1.0e5f;
+        too_much++;
     }
 }
 
 static void test_a_refused_command_ends_it(void) {
     const plant_config_t c = machine();
     const lode_drive_config_t config = sheet();
+    too_much = 0;
     begin(&c, &config, want_too_much);
     expect(LODE_COMMISSION_REFUSED);
+    TEST_ASSERT_TRUE(too_much <= 2); // at once
     TEST_ASSERT_EQUAL(LODE_ERROR_COMMAND_SPEED, rig.commission.status);
     TEST_ASSERT_EQUAL(OVER, rig.commission.stage);
 }
@@ -677,6 +683,27 @@ static void test_a_current_that_sways(void) {
 }
 
 /// A tenth of a second of calm is not enough, however often there is one.
+static int rested, shortest_rest;
+static void time_rest(rig_t *r) {
+    rested += r->stage == ALONG ? 1 : 0;
+    if (r->stage == ALONG && r->commission.stage != ALONG) {
+        shortest_rest = rested < shortest_rest ? rested : shortest_rest;
+        rested = 0;
+    }
+}
+
+/// Two windows of 0.1 s, at each of the levels.
+static void test_a_current_rests_for_two_windows(void) {
+    const plant_config_t c = machine();
+    const lode_drive_config_t config = sheet();
+    rested = 0;
+    shortest_rest = INT_MAX;
+    begin(&c, &config, NULL);
+    rig.watch = time_rest;
+    expect(LODE_COMMISSION_DONE);
+    TEST_ASSERT_EQUAL(1000, shortest_rest);
+}
+
 static void test_a_current_that_rests_now_and_then(void) {
     const plant_config_t c = machine();
     const lode_drive_config_t config = sheet();
@@ -1722,6 +1749,7 @@ int main(void) {
     RUN_TEST(test_offsets_are_the_mean_of_the_counts);
     RUN_TEST(test_a_line_that_is_bent);
     RUN_TEST(test_a_current_that_sways);
+    RUN_TEST(test_a_current_rests_for_two_windows);
     RUN_TEST(test_a_current_that_rests_now_and_then);
     RUN_TEST(test_a_sensor_that_reads_too_little);
     RUN_TEST(test_currents_and_voltages_of_the_rest);

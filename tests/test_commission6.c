@@ -119,7 +119,7 @@ static double value(lode_commission_quantity_t quantity) {
 static void check_found(const plant_config_t *c) {
     CHECK_NEAR(0.0, 6.0, value(LODE_COMMISSION_SIGNALS));
     CHECK_CLOSE(0.02, c->Rs_Ohm + c->r_on_Ohm, value(LODE_COMMISSION_RS_Ohm));
-    CHECK_CLOSE(0.05, c->v_bus_V * c->dead_time_s / c->period_s + c->v_transistor_V,
+    CHECK_CLOSE(0.02, c->v_bus_V * c->dead_time_s / c->period_s + c->v_transistor_V,
                 value(LODE_COMMISSION_DEAD_V));
     CHECK_CLOSE(0.05, c->Ld_H, value(LODE_COMMISSION_LD_H));
     CHECK_CLOSE(0.05, c->Lq_H, value(LODE_COMMISSION_LQ_H));
