@@ -106,8 +106,9 @@ static float least_handover_rad_s(const lode_commission_t *self) {
 }
 
 // Flux and inertia are not known yet. So the EMF at hand-over has HANDOVER_SHARE of what it has at rated speed, and speed
-// control, whose torque goes with the inertia, no more acceleration than the run. The start need not measure again. Within the dead band of the currents the loss by dead time changes
-// with speed and enters the slope: a light rotor, whose torque takes less current, gets a d current that is clear of it.
+// control, whose torque goes with the inertia, no more acceleration than the run. The start need not measure again. Within the
+// dead band of the currents the loss by dead time changes with speed and enters the slope: a light rotor, whose torque takes
+// less current, gets a d current that is clear of it.
 lode_drive_config_t lode_commission_for_run(lode_commission_t *self) {
     const float handover = self->designed.start.omega_handover_rad_s;
     const float wanted = HANDOVER_SHARE * self->designed.motor.omega_rated_rad_s;
