@@ -1464,6 +1464,22 @@ static void test_an_inertia_many_times_as_large(void) {
     CHECK_CLOSE(0.01, c.psi_Wb, value(LODE_COMMISSION_PSI_Wb));
 }
 
+/// A rotor that is known to be heavy: the torque is at its limit and the run takes 3 s, as it should.
+static void test_a_heavy_rotor_needs_no_more_torque(void) {
+    plant_config_t c = machine();
+    lode_drive_config_t config = sheet();
+    c.J_kgm2 = 0.22;
+    config.motor.psi_Wb = (float)c.psi_Wb;
+    config.motor.J_kgm2 = (float)c.J_kgm2;
+    memset(&raised, 0, sizeof raised);
+    begin(&c, &config, NULL);
+    rig.watch = watch_raises;
+    expect(LODE_COMMISSION_DONE);
+    TEST_ASSERT_EQUAL(0, raised.count);
+    TEST_ASSERT_EQUAL(1u, rig.commission.runs);
+    CHECK_CLOSE(0.02, c.J_kgm2, value(LODE_COMMISSION_J_kgm2));
+}
+
 /// A fan that holds a run of a light rotor when most of the span is gone: it is begun anew with more torque, and then with
 /// as much more as the fan takes at the upper speed.
 static void test_a_fan(void) {
@@ -1772,6 +1788,7 @@ int main(void) {
     RUN_TEST(test_a_run_too_short_to_see_anything);
     RUN_TEST(test_torque_of_the_run);
     RUN_TEST(test_an_inertia_many_times_as_large);
+    RUN_TEST(test_a_heavy_rotor_needs_no_more_torque);
     RUN_TEST(test_a_fan);
     RUN_TEST(test_runs_that_do_not_come_to_an_end);
     RUN_TEST(test_a_light_rotor_moves_in_the_steps);
