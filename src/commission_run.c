@@ -168,12 +168,12 @@ void lode_commission_retune(lode_commission_t *self) {
         self->wants_tuning = true;
     } else if (self->wants_tuning) {
         // the thread makes the tuning
-    } else if (self->status != LODE_OK) {
-        lode_commission_finish(self, LODE_COMMISSION_REFUSED);
-    } else {
+    } else if (self->status == LODE_OK) {
         plan_run(self);
         self->quantity = LODE_COMMISSION_PSI_Wb;
         lode_commission_enter(self, STAGE_START);
+    } else {
+        // refused, which ends it
     }
 }
 
