@@ -45,10 +45,10 @@ static void report_no_speed(const rig_config_t *config, const char *motor) {
         refusal_report(config, status);
         return;
     }
-    rig_error(
-        "%s: no speed to run at: with i_max, %.3g A, Rs and r_on take all of the phase voltage of %.3g V; "
-        "`design` with the same arguments tells more",
-        motor, (double)inverter->i_max_A, (double)inverter->v_bus_V / sqrt(3.0));
+    rig_error("%s: no speed to run at: with i_max, %.3g A, Rs and r_on take all of the phase "
+              "voltage of %.3g V; "
+              "`design` with the same arguments tells more",
+              motor, (double)inverter->i_max_A, (double)inverter->v_bus_V / sqrt(3.0));
 }
 
 /// A motor without a scenario uses the drive in its own file or an assumed one, as in `design`. The phases are
