@@ -365,8 +365,8 @@ bool lode_start_aim(lode_start_t *self, const lode_start_tuning_t *tuning, float
         }
     }
     self->current_target = current_now_A(self, tuning, most_A);
-    self->current_A =
-        lode_min(self->current_A, tuning->current_last_A); // of whatever it has become
+    // Whatever it has become, it is not beyond that of the last attempt.
+    self->current_A = lode_min(self->current_A, tuning->current_last_A);
     self->omega_step = tuning->omega_step * ramp_share(self, tuning);
     // Removes the rounding error of the rotations since the last call.
     self->at = lode_angle_normalise(self->at);
