@@ -1503,6 +1503,51 @@ static void test_a_fan(void) {
     CHECK_CLOSE(0.01, c.psi_Wb, value(LODE_COMMISSION_PSI_Wb));
 }
 
+static struct {
+    double psi_Wb, load_Nm;
+    double up_times; ///< what becomes of the flux of the first way up
+} after_first;
+static void watch_first(rig_t *r) {
+    lode_commission_t *k = &r->commission;
+    if (r->stage == UP && k->stage == DOWN && k->runs == 0u) {
+        k->way[0].psi_Wb *= (float)after_first.up_times;
+    }
+    if (r->stage == DOWN && k->stage == RETUNE && k->runs == 1u) {
+        after_first.psi_Wb = (double)k->config.motor.psi_Wb;
+        after_first.load_Nm = (double)k->load_Nm;
+        CHECK_AT_LEAST(1.0e-4,
+                       k->found[LODE_COMMISSION_B_Nms].value); // none is taken that is not sure
+    }
+}
+
+/// Of a first run that is made again: its flux is taken over if up and down agree, and its friction if that is sure.
+static void test_what_the_next_run_is_made_with(void) {
+    plant_config_t c = machine();
+    lode_drive_config_t config = sheet();
+    config.motor.psi_Wb = 1.05f * (float)c.psi_Wb;
+    config.motor.J_kgm2 = (float)c.J_kgm2;
+    static const struct {
+        double up_times, B_Nms;
+    } cases[] = {{1.0, 7.5e-4}, {1.2, 7.5e-4}, {1.0, 0.006}};
+    for (int n = 0; n < COUNT_OF(cases); n++) {
+        c.B_Nms = cases[n].B_Nms;
+        memset(&after_first, 0, sizeof after_first);
+        after_first.up_times = cases[n].up_times;
+        begin(&c, &config, NULL);
+        rig.watch = watch_first;
+        expect(LODE_COMMISSION_DONE);
+        const double assumed = (double)config.motor.psi_Wb;
+        CHECK_CLOSE(0.01, n == 1 ? assumed : c.psi_Wb, after_first.psi_Wb);
+        const double high = (double)rig.commission.high_rad_s;
+        if (n < 2) {
+            CHECK_NEAR(0.0, 0.0, after_first.load_Nm);
+        } else {
+            CHECK_CLOSE(0.6, c.B_Nms * high, after_first.load_Nm); // as of a fan
+            CHECK_AT_LEAST(c.B_Nms * high, after_first.load_Nm);
+        }
+    }
+}
+
 static double psi_times, J_times;
 static void assume_wrong(rig_t *r) {
     lode_commission_t *k = &r->commission;
@@ -1795,6 +1840,7 @@ int main(void) {
     RUN_TEST(test_an_inertia_many_times_as_large);
     RUN_TEST(test_a_heavy_rotor_needs_no_more_torque);
     RUN_TEST(test_a_fan);
+    RUN_TEST(test_what_the_next_run_is_made_with);
     RUN_TEST(test_runs_that_do_not_come_to_an_end);
     RUN_TEST(test_a_light_rotor_moves_in_the_steps);
     RUN_TEST(test_a_wrong_gain_of_all_currents);
