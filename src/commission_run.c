@@ -166,14 +166,12 @@ void lode_commission_retune(lode_commission_t *self) {
     if (self->since == 0u) {
         lode_commission_post(self, (lode_command_t){.mode = LODE_MODE_OFF, .clear_fault = true});
         self->wants_tuning = true;
-    } else if (self->wants_tuning) {
-        // the thread makes the tuning
-    } else if (self->status == LODE_OK) {
+    } else if (!self->wants_tuning && self->status == LODE_OK) {
         plan_run(self);
         self->quantity = LODE_COMMISSION_PSI_Wb;
         lode_commission_enter(self, STAGE_START);
     } else {
-        // refused, which ends it
+        // the thread makes the tuning, or the drive has refused one, which ends it
     }
 }
 

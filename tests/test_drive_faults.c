@@ -990,9 +990,16 @@ static void test_lost_lock_and_wrong_way_trip_in_20_ms(void) {
     TEST_ASSERT_EQUAL_INT(LODE_CHECK_LOST_LOCK, rig_telemetry(&lost).fault.check);
     TEST_ASSERT_EQUAL_INT(LODE_MODE_RUN, rig_telemetry(&lost).fault.state);
     rig_t wrong = rig;
-    CHECK_AT_MOST(100, steps_until_off(&wrong, 0.9f, -1.0f, 1000));
+    lode_drive_config_t config = rig_config();
+    config.guard.overload_s = LODE_NONE; // it sees sooner that all the torque is against that speed
+    lode_drive_design(&config);
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_tune(&other_tuning, &config));
+    TEST_ASSERT_EQUAL_INT(LODE_OK, lode_drive_post_tuning(&wrong.drive, &other_tuning));
+    CHECK_AT_MOST(108, steps_until_off(&wrong, 0.9f, -1.0f, 1000));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_WRONG_WAY, rig_telemetry(&wrong).fault.check);
     rig_t fast = rig;
     CHECK_AT_MOST(100, steps_until_off(&fast, 0.9f, 10.0f, 1000));
+    TEST_ASSERT_EQUAL_INT(LODE_CHECK_OVER_SPEED, rig_telemetry(&fast).fault.check);
     rig_t sound = rig;
     TEST_ASSERT_EQUAL_INT(1001, steps_until_off(&sound, 0.9f, 1.0f, 1000));
 }

@@ -142,7 +142,9 @@ static inline int steps_until_off(rig_t *rig, float lock, float omega_share, int
         lode_estimate_t e = lode_drive_estimate(&rig->drive, &m);
         e.source = LODE_ESTIMATE_EXTERNAL;
         e.lock = lock;
-        e.omega_rad_s *= omega_share;
+        // The drive keeps the speed that it is given: a negative share is not to turn it back in the next period.
+        e.omega_rad_s = omega_share < 0.0f ? omega_share * lode_abs(e.omega_rad_s)
+                                           : omega_share * e.omega_rad_s;
         rig->out = lode_drive_act(&rig->drive, &m, &e);
         if (!rig->out.gates) {
             return n;

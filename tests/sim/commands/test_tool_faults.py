@@ -168,7 +168,7 @@ def names_a_shorted_switch(checks, folder):
 
 def counts_current_in_pulses(checks, folder):
     """A dead switch lets a vector beyond 1.2 i_max pass for a part of each turn only: never for 10 ms in one piece."""
-    done, cases = cases_of(folder, "--motors", "jiang2022", "--kinds", "none,switch-high-dead", "--load", "0.8")
+    done, cases = cases_of(folder, "--motors", "jiang2022", "--kinds", "none,switch-high-dead", "--load", "0.9")
     case = cases["switch-high-dead", "weakening"]
     checks.true(case["harm"] == "current" and 0.01 < case["over_s"] < 0.2, f"pulses: {case}")
     checks.equal((case["found"], done.returncode), ("CURRENT_CONTROL", 0), "found (K49), which is the exit code")
