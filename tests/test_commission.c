@@ -603,6 +603,11 @@ static void test_a_refused_command_ends_it(void) {
     TEST_ASSERT_TRUE(too_much <= 2); // at once
     TEST_ASSERT_EQUAL(LODE_ERROR_COMMAND_SPEED, rig.commission.status);
     TEST_ASSERT_EQUAL(OVER, rig.commission.stage);
+    const uint32_t since = rig.commission.since;
+    for (int n = 0; n < 5; n++) {
+        (void)lode_commission_step(&rig.commission, &rig.counts);
+    }
+    TEST_ASSERT_EQUAL(since + 5u, rig.commission.since); // it has ended once
 }
 
 static void steady_counts(rig_t *r) {
