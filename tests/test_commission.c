@@ -75,6 +75,14 @@ static lode_drive_config_t sheet(void) {
     };
 }
 
+/// The same, but flux and inertia are those of this machine.
+static lode_drive_config_t sheet_of(const plant_config_t *plant) {
+    lode_drive_config_t config = sheet();
+    config.motor.psi_Wb = (float)plant->psi_Wb;
+    config.motor.J_kgm2 = (float)plant->J_kgm2;
+    return config;
+}
+
 static void begin(const plant_config_t *plant, const lode_drive_config_t *config, meddle_t meddle) {
     memset(&rig, 0, sizeof rig);
     TEST_ASSERT_NULL(plant_init(&rig.plant, plant));
@@ -467,9 +475,7 @@ static void watch_run(rig_t *r) {
 /// up to twice that speed, 0.9 of rated at most and 1.3 of the lower one at least.
 static void test_speeds_of_the_run(void) {
     plant_config_t c = machine();
-    lode_drive_config_t config = sheet();
-    config.motor.psi_Wb = (float)c.psi_Wb;
-    config.motor.J_kgm2 = (float)c.J_kgm2;
+    lode_drive_config_t config = sheet_of(&c);
     static const double rated[] = {471.0, 300.0, 220.0, 170.0};
     for (int n = 0; n < COUNT_OF(rated); n++) {
         config.motor.omega_rated_rad_s = (float)rated[n];
@@ -552,9 +558,7 @@ static void test_the_run_has_a_span(void) {
 static void test_the_run_is_no_faster_than_may_be_commanded(void) {
     const plant_config_t c = machine();
     for (int by_guard = 0; by_guard <= 1; by_guard++) {
-        lode_drive_config_t config = sheet();
-        config.motor.psi_Wb = (float)c.psi_Wb;
-        config.motor.J_kgm2 = (float)c.J_kgm2;
+        lode_drive_config_t config = sheet_of(&c);
         config.motor.omega_rated_rad_s = 471.0f;
         *(by_guard == 1 ? &config.guard.omega_max_rad_s : &config.estimator.omega_max_rad_s) =
             375.0f;
@@ -1082,9 +1086,7 @@ static void test_a_rotor_that_is_lost(void) {
 /// What was known is what is found, or the rotor is heavier than that: one run is enough. It is lighter: two.
 static void test_runs(void) {
     plant_config_t c = machine();
-    lode_drive_config_t config = sheet();
-    config.motor.psi_Wb = (float)c.psi_Wb;
-    config.motor.J_kgm2 = (float)c.J_kgm2;
+    lode_drive_config_t config = sheet_of(&c);
     begin(&c, &config, NULL);
     rig.late = 40; // the thread has other things to do
     expect(LODE_COMMISSION_DONE);
@@ -1306,10 +1308,8 @@ static void unlike_ways(rig_t *r) {
 /// What was found on the way up counts as much as what was found on the way down.
 static void test_both_ways_count_alike(void) {
     plant_config_t c = machine();
-    lode_drive_config_t config = sheet();
     c.B_Nms = 0.006;
-    config.motor.psi_Wb = (float)c.psi_Wb;
-    config.motor.J_kgm2 = (float)c.J_kgm2;
+    lode_drive_config_t config = sheet_of(&c);
     begin(&c, &config, unlike_ways);
     expect(LODE_COMMISSION_DONE);
     const lode_commission_t *k = &rig.commission;
@@ -1448,6 +1448,13 @@ static void watch_raises(rig_t *r) {
     }
 }
 
+static void count_raises(const plant_config_t *plant, const lode_drive_config_t *config) {
+    memset(&raised, 0, sizeof raised);
+    begin(plant, config, NULL);
+    rig.watch = watch_raises;
+    expect(LODE_COMMISSION_DONE);
+}
+
 /// Eight times the inertia: after 0.8 s less than half of the span is gone. With as much more torque as is missing the run
 /// goes on, and what it finds is what the next one is made with.
 static void test_an_inertia_many_times_as_large(void) {
@@ -1455,10 +1462,7 @@ static void test_an_inertia_many_times_as_large(void) {
     lode_drive_config_t config = sheet();
     config.motor.psi_Wb = (float)c.psi_Wb;
     config.motor.J_kgm2 = (float)c.J_kgm2 / 8.0f;
-    memset(&raised, 0, sizeof raised);
-    begin(&c, &config, NULL);
-    rig.watch = watch_raises;
-    expect(LODE_COMMISSION_DONE);
+    count_raises(&c, &config);
     TEST_ASSERT_EQUAL(1, raised.count);
     CHECK_NEAR(0.01, 0.8, raised.waited_s[0]);
     CHECK_AT_MOST(0.5, raised.share[0]);
@@ -1472,14 +1476,9 @@ static void test_an_inertia_many_times_as_large(void) {
 /// A rotor that is known to be heavy: the torque is at its limit and the run takes 3 s, as it should.
 static void test_a_heavy_rotor_needs_no_more_torque(void) {
     plant_config_t c = machine();
-    lode_drive_config_t config = sheet();
     c.J_kgm2 = 0.22;
-    config.motor.psi_Wb = (float)c.psi_Wb;
-    config.motor.J_kgm2 = (float)c.J_kgm2;
-    memset(&raised, 0, sizeof raised);
-    begin(&c, &config, NULL);
-    rig.watch = watch_raises;
-    expect(LODE_COMMISSION_DONE);
+    lode_drive_config_t config = sheet_of(&c);
+    count_raises(&c, &config);
     TEST_ASSERT_EQUAL(0, raised.count);
     TEST_ASSERT_EQUAL(1u, rig.commission.runs);
     CHECK_CLOSE(0.02, c.J_kgm2, value(LODE_COMMISSION_J_kgm2));
@@ -1489,15 +1488,10 @@ static void test_a_heavy_rotor_needs_no_more_torque(void) {
 /// as much more as the fan takes at the upper speed.
 static void test_a_fan(void) {
     plant_config_t c = machine();
-    lode_drive_config_t config = sheet();
     c.J_kgm2 = 0.003;
     c.fan_Nms2 = 0.55 / (95.0 * 95.0);
-    config.motor.psi_Wb = (float)c.psi_Wb;
-    config.motor.J_kgm2 = (float)c.J_kgm2;
-    memset(&raised, 0, sizeof raised);
-    begin(&c, &config, NULL);
-    rig.watch = watch_raises;
-    expect(LODE_COMMISSION_DONE);
+    lode_drive_config_t config = sheet_of(&c);
+    count_raises(&c, &config);
     TEST_ASSERT_EQUAL(1, raised.count);
     TEST_ASSERT_TRUE(raised.anew);
     CHECK_NEAR(0.01, 4.0 * raised.share[0] * 0.4,
@@ -1566,9 +1560,7 @@ static void assume_wrong(rig_t *r) {
 /// of flux off is half as sure as 6 %, and 30 % of inertia as 40 %.
 static void test_runs_that_do_not_come_to_an_end(void) {
     const plant_config_t c = machine();
-    lode_drive_config_t config = sheet();
-    config.motor.psi_Wb = (float)c.psi_Wb;
-    config.motor.J_kgm2 = (float)c.J_kgm2;
+    lode_drive_config_t config = sheet_of(&c);
     static const struct {
         double psi, J;
         bool sure;

@@ -74,11 +74,14 @@ bool mc_machine_load(mc_machine_t *machine, const char *name, int sets, const ch
     return true;
 }
 
-/// SplitMix64, started from the name and the seed, so that machines draw independently.
+/// SplitMix64, started from the name and the seed, so that machines draw independently. Of a file its name alone counts: its
+/// cases are the same in another folder.
 static uint64_t begin(const char *name, uint64_t seed) {
+    const char *folder_end = strrchr(name, '/');
+    const char *first = folder_end != NULL ? folder_end + 1 : name;
     uint64_t hash = UINT64_C(0xCBF29CE484222325); // FNV-1a
-    for (; *name != '\0'; ++name) {
-        hash = (hash ^ (uint64_t)(unsigned char)*name) * UINT64_C(0x100000001B3);
+    for (const char *at = first; *at != '\0'; ++at) {
+        hash = (hash ^ (uint64_t)(unsigned char)*at) * UINT64_C(0x100000001B3);
     }
     return hash + seed * UINT64_C(0xD1B54A32D192ED03);
 }

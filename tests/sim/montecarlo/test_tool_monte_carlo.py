@@ -199,6 +199,11 @@ def files(checks, folder):
         folder.write(f"f{k}.json", run(folder, *arguments, "--shard", f"{k}/2")[1])
     merged = folder.run("monte-carlo", "merge", "f1.json", "f2.json", "--json", "all.json")
     checks.equal((folder.path / "all.json").read_text(), text, f"shards joined: {merged.stderr}")
+    moved = pathlib.Path(name).name
+    folder.write(moved, "".join(texts))
+    _, text_there = run(folder, "start", "--motors", moved, "--n", 2)
+    errors = [[row["max_error_deg"] for row in json.loads(t)["rows"] if row["motor"] in (name, moved)] for t in (text, text_there)]
+    checks.equal(errors[0], errors[1], "the same cases in another folder")
     bad = folder.run("monte-carlo", "start", "--motors", name, "--n", 1, "--set", "start.timeout_s=0.2")
     checks.true(f"lodestar monte-carlo start --motors {name} " in bad.stdout, f"how to run it again: {bad.stdout}")
 
