@@ -4,8 +4,8 @@
 #define TELEMETRY_TRIES 3
 #define ROUNDED 1.000001f    // for a limit that the caller has computed in another order
 #define HELD_SHARE 0.01f     // of the range of torques
-#define MOVED_FLUX_MAX 0.35f // share of the flux that a hurried change of the d current may move
-#define FADE_HURRY 24.0f     // (S20): twice the default bias in 2 ms
+#define MOVED_FLUX_MAX 0.35f // share of the flux that a quick change of the d current may move
+#define FADE_QUICK 24.0f     // (S20): twice the default bias in 2 ms
 
 lode_status_t lode_drive_begin(lode_drive_t *self, const lode_drive_tuning_t *tuning) {
     if (self == NULL || tuning == NULL) {
@@ -367,15 +367,15 @@ static lode_range_t allowed_speeds(const lode_drive_t *self) {
 }
 
 // Next value of the start current's fade. While the current passes through zero, the dead time's effect on all phases is
-// unknown. So it hurries where the current is shorter than the bias (S20), except in a very salient rotor: there the change
-// moves so much flux that an error of Lq - Ld disturbs the EMF.
+// unknown. So the fade is quick where the current is shorter than the bias (S20), except in a very salient rotor: there the
+// change moves so much flux that an error of Lq - Ld disturbs the EMF.
 LODE_NOINLINE float lode_drive_faded(const lode_drive_t *self) {
     const lode_drive_tuning_t *tuning = self->tuning;
     const float bias_A = tuning->references.id_bias_A;
     const lode_dq_t i_A = self->ref_A;
     const bool is_short = i_A.d * i_A.d + i_A.q * i_A.q < bias_A * bias_A &&
                           2.0f * bias_A * tuning->start.lost_per_A <= MOVED_FLUX_MAX;
-    const float step = (is_short ? FADE_HURRY : 1.0f) * tuning->start.fade_step;
+    const float step = (is_short ? FADE_QUICK : 1.0f) * tuning->start.fade_step;
     return lode_max(self->state.run.fade - step, 0.0f);
 }
 

@@ -300,7 +300,7 @@ static void watch_the_fade(rig_t *rig, float short_A, uint32_t *shorts, float *s
     rig_expect(rig, LODE_MODE_RUN);
 }
 
-static void test_the_fade_hurries_through_short_currents(void) {
+static void test_the_fade_is_quick_where_the_current_is_short(void) {
     uint32_t shorts = 0u;
     float step_A = 0.0f;
     rig_t rig = fresh();
@@ -776,7 +776,7 @@ int main(void) {
     RUN_TEST(test_references_follow_the_torque_at_once_at_every_rate);
     RUN_TEST(test_references_weaken_the_field);
     RUN_TEST(test_load_steps_and_speed_changes);
-    RUN_TEST(test_the_fade_hurries_through_short_currents);
+    RUN_TEST(test_the_fade_is_quick_where_the_current_is_short);
     RUN_TEST(test_a_current_is_short_by_both_its_parts);
     RUN_TEST(test_torque_control_follows_torque_and_holds_its_speeds);
     RUN_TEST(test_torque_control_without_a_sensor_stops_by_speed);
