@@ -5,9 +5,9 @@
 
 #include "report/report_run.h"
 
-enum { WIDTH = 1200, HEIGHT = 1220, TOP = 115, LEGEND = 180, PANELS = 6, POINTS = 2400 };
+enum { WIDTH = 1200, HEIGHT = 1262, TOP = 157, LEGEND = 180, PANELS = 6, POINTS = 2400 };
 // With signal injection two more, of the same height.
-enum { PANELS_BY_WAVE = 8, HEIGHT_BY_WAVE = 1580 };
+enum { PANELS_BY_WAVE = 8, HEIGHT_BY_WAVE = 1622 };
 
 /// A value that exists only in RUN, or not at all.
 static double shown(bool there, double value) {
@@ -69,7 +69,7 @@ static void send_phases(FILE *script, const runner_result_t *result) {
                       "set arrow %d from %.6g, graph 0 to %.6g, graph 1 nohead back lw 0.8 "
                       "lc rgb '#c8ccd0'\n"
                       "set label %d %s at %.6g, graph 1.05 left noenhanced font ',10' "
-                      "textcolor rgb '#555555' rotate by 35\n",
+                      "textcolor rgb '#555555' rotate by 55\n",
                       k + 1, phase->start_s, phase->start_s, k + 1, plot_text(name, phase->name),
                       phase->start_s);
     }
